@@ -1,0 +1,105 @@
+"""What a backend is: a thin porch between our Model and one solver."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import Enum, Flag, auto
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.milp.model import Model
+
+Floats = NDArray[np.float64]
+
+
+class Capability(Flag):
+    """What a backend can do besides solving a MILP."""
+
+    NONE = 0
+    START = auto()  # takes a MIP start
+    PROGRESS = auto()  # reports bound and gap while it works
+    INCUMBENTS = auto()  # hands over each improving point while it works
+    TIME_LIMIT = auto()
+    GAP = auto()
+    THREADS = auto()
+    SEED = auto()
+    NODES = auto()  # reports its node count
+
+
+class Status(Enum):
+    """What the solver claims; nothing here is believed before certification."""
+
+    OPTIMAL = "optimal"  # proven within the gap asked for
+    FEASIBLE = "feasible"  # stopped at a limit with a point in hand
+    INFEASIBLE = "infeasible"
+    UNBOUNDED = "unbounded"
+    NO_SOLUTION = "no_solution"  # stopped at a limit with none
+    FAILED = "failed"
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """One report from a solver at work. `incumbent` is a point (n,) when a new one was found."""
+
+    seconds: float
+    objective: float | None
+    bound: float | None
+    nodes: int | None
+    incumbent: Floats | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SolveOptions:
+    """The same words for every backend. Limits in seconds; gap relative."""
+
+    time_limit: float | None = None
+    gap: float = 1e-4
+    threads: int | None = None
+    seed: int | None = None
+    start: Floats | None = None  # (n,) MIP start
+    on_progress: Callable[[Progress], None] | None = None
+    should_stop: Callable[[], bool] | None = None
+    extra: dict[str, object] = field(default_factory=dict)  # solver's own options, passed through
+
+
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """What came back. `x` (n,) or None; `objective` and `bound` include the model's offset."""
+
+    status: Status
+    x: Floats | None = None
+    objective: float | None = None
+    bound: float | None = None
+    nodes: int | None = None
+    seconds: float = 0.0
+    solver: str = ""
+    solver_version: str = ""
+    ignored: tuple[str, ...] = ()  # options this backend could not honour
+    message: str = ""
+
+    @property
+    def gap(self) -> float | None:
+        """Relative gap |objective - bound| / max(|objective|, 1e-10), if both are known."""
+        if self.objective is None or self.bound is None:
+            return None
+        return abs(self.objective - self.bound) / max(abs(self.objective), 1e-10)
+
+
+@runtime_checkable
+class Backend(Protocol):
+    """One solver. `solve` raises SolverError when the solver itself fails."""
+
+    name: str
+    capabilities: Capability
+
+    def available(self) -> str | None:
+        """None when it can run here, else one sentence with the command that installs it."""
+
+    def version(self) -> str:
+        """Solver and its version, such as 'HiGHS 1.15.1'."""
+
+    def solve(self, model: Model, options: SolveOptions) -> Solution:
+        """Minimise the model."""

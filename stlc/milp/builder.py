@@ -1,0 +1,146 @@
+"""Grows a Model block by block, rows as numpy arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stlc.milp.model import Block, Floats, Ints, Model, Origin
+
+
+@dataclass(slots=True)
+class ModelBuilder:
+    """Collects columns and rows; `build` freezes them. Origins nest with `origin`."""
+
+    name: str = "mission"
+    offset: float = 0.0
+    origin: Origin = field(default_factory=lambda: Origin("mission"))
+    _columns: int = 0
+    _rows: int = 0
+    _col_parts: list[tuple[Floats, Floats, Floats, NDArray[np.uint8]]] = field(default_factory=list)
+    _row_parts: list[tuple[Floats, Floats]] = field(default_factory=list)
+    _triplets: list[tuple[Ints, Ints, Floats]] = field(default_factory=list)
+    _col_blocks: list[Block] = field(default_factory=list)
+    _row_blocks: list[Block] = field(default_factory=list)
+    _costs: list[tuple[Ints, Floats]] = field(default_factory=list)
+    _used: dict[str, int] = field(default_factory=dict)
+
+    @property
+    def columns(self) -> int:
+        """Number of columns so far."""
+        return self._columns
+
+    @property
+    def rows(self) -> int:
+        """Number of rows so far."""
+        return self._rows
+
+    def add_columns(
+        self,
+        name: str,
+        shape: Sequence[int],
+        lower: ArrayLike = 0.0,
+        upper: ArrayLike = np.inf,
+        *,
+        integer: bool = False,
+        cost: ArrayLike = 0.0,
+    ) -> Ints:
+        """Add prod(shape) columns; bounds and costs broadcast. Returns indices of that shape."""
+        shape = tuple(shape)
+        block = Block(self._unique(name), self._columns, shape, self.origin)
+        size = block.size
+        spread = [
+            np.broadcast_to(np.asarray(v, dtype=float), shape).ravel() for v in (cost, lower, upper)
+        ]
+        self._col_parts.append((spread[0], spread[1], spread[2], np.full(size, integer, np.uint8)))
+        self._col_blocks.append(block)
+        self._columns += size
+        return np.arange(block.start, block.start + size).reshape(shape)
+
+    def binary(self, name: str, shape: Sequence[int], *, cost: ArrayLike = 0.0) -> Ints:
+        """Add 0-1 columns."""
+        return self.add_columns(name, shape, 0.0, 1.0, integer=True, cost=cost)
+
+    def add_rows(
+        self,
+        name: str,
+        rows: ArrayLike,
+        cols: ArrayLike,
+        values: ArrayLike,
+        lower: ArrayLike,
+        upper: ArrayLike,
+        count: int | None = None,
+    ) -> Ints:
+        """Add rows given as triplets; `rows` count from 0 within this block.
+
+        `rows`, `cols`, `values` broadcast together; `lower`, `upper` broadcast to (count,).
+        Duplicate (row, col) entries add up. Returns the row indices (count,).
+        """
+        r, c, v = np.broadcast_arrays(
+            np.asarray(rows), np.asarray(cols), np.asarray(values, dtype=float)
+        )
+        size = int(r.max()) + 1 if count is None else count
+        block = Block(self._unique(name), self._rows, (size,), self.origin)
+        self._triplets.append((r.ravel() + self._rows, c.ravel(), v.ravel()))
+        bounds = [np.broadcast_to(np.asarray(b, dtype=float), (size,)) for b in (lower, upper)]
+        self._row_parts.append((bounds[0], bounds[1]))
+        self._row_blocks.append(block)
+        self._rows += size
+        return np.arange(block.start, block.start + size)
+
+    def add_dense_rows(
+        self, name: str, cols: ArrayLike, values: ArrayLike, lower: ArrayLike, upper: ArrayLike
+    ) -> Ints:
+        """Add rows with k entries each: cols and values broadcast to (count, k)."""
+        c, v = np.broadcast_arrays(
+            np.atleast_2d(cols), np.atleast_2d(np.asarray(values, dtype=float))
+        )
+        rows = np.broadcast_to(np.arange(len(c))[:, None], c.shape)
+        return self.add_rows(name, rows, c, v, lower, upper, count=len(c))
+
+    def add_cost(self, cols: ArrayLike, cost: ArrayLike) -> None:
+        """Add to the objective coefficients of existing columns (accumulates)."""
+        c, v = np.broadcast_arrays(np.asarray(cols), np.asarray(cost, dtype=float))
+        self._costs.append((c.ravel(), v.ravel()))
+
+    def build(self) -> Model:
+        """Freeze. Duplicates are summed, exact zeros dropped, indices sorted."""
+        from scipy.sparse import coo_matrix
+
+        cost, lower, upper, integrality = self._stack_columns()
+        rows, cols, values = self._stack_triplets()
+        matrix = coo_matrix((values, (rows, cols)), shape=(self._rows, self._columns)).tocsr()
+        matrix.sum_duplicates()
+        matrix.eliminate_zeros()
+        matrix.sort_indices()
+        row_lower = np.concatenate([np.empty(0), *(p[0] for p in self._row_parts)])
+        row_upper = np.concatenate([np.empty(0), *(p[1] for p in self._row_parts)])
+        return Model(
+            cost, self.offset, matrix, row_lower, row_upper, lower, upper, integrality,
+            tuple(self._col_blocks), tuple(self._row_blocks), self.name,
+        )  # fmt: skip
+
+    def _stack_columns(self) -> tuple[Floats, Floats, Floats, NDArray[np.uint8]]:
+        parts = self._col_parts
+        cost = np.concatenate([np.empty(0), *(p[0] for p in parts)])
+        lower = np.concatenate([np.empty(0), *(p[1] for p in parts)])
+        upper = np.concatenate([np.empty(0), *(p[2] for p in parts)])
+        integrality = np.concatenate([np.empty(0, np.uint8), *(p[3] for p in parts)])
+        for cols, values in self._costs:
+            np.add.at(cost, cols, values)
+        return cost, lower, upper, integrality
+
+    def _stack_triplets(self) -> tuple[Ints, Ints, Floats]:
+        empty = np.empty(0, np.int64)
+        rows = np.concatenate([empty, *(t[0] for t in self._triplets)])
+        cols = np.concatenate([empty, *(t[1] for t in self._triplets)])
+        values = np.concatenate([np.empty(0), *(t[2] for t in self._triplets)])
+        return rows, cols, values
+
+    def _unique(self, name: str) -> str:
+        count = self._used.get(name, 0)
+        self._used[name] = count + 1
+        return name if count == 0 else f"{name}__{count}"

@@ -1,0 +1,79 @@
+"""What every encoder shares: the mission, the growing model, the trajectory's columns and ranges."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from stlc.milp.builder import ModelBuilder
+from stlc.milp.model import Floats, Ints
+from stlc.mission import Agent, Mission
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ranges:
+    """Interval of every state (T+1, n) and input (T, m) of one agent at every step.
+
+    Sound: every run that satisfies the mission stays within. `position_*` are (T+1, 2) [m].
+    """
+
+    state_lower: Floats
+    state_upper: Floats
+    input_lower: Floats
+    input_upper: Floats
+    position_lower: Floats
+    position_upper: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Affine:
+    """constant + sum values * x[cols]: an expression over columns."""
+
+    cols: Ints
+    values: Floats
+    constant: float = 0.0
+
+    def scaled(self, factor: float) -> Affine:
+        """The expression times a number."""
+        return Affine(self.cols, self.values * factor, self.constant * factor)
+
+    def plus(self, other: Affine) -> Affine:
+        """The sum of two expressions."""
+        return Affine(
+            np.concatenate([self.cols, other.cols]),
+            np.concatenate([self.values, other.values]),
+            self.constant + other.constant,
+        )
+
+
+@dataclass(slots=True, eq=False)
+class Context:
+    """Handed from encoder to encoder while one model is built.
+
+    states[agent] (T+1, n) and inputs[agent] (T, m) are column indices. `memo` is for encoders that
+    share auxiliary columns (cells of an agent at a step, literals of a sub-formula).
+    """
+
+    mission: Mission
+    builder: ModelBuilder
+    ranges: Mapping[str, Ranges]
+    states: dict[str, Ints] = field(default_factory=dict)
+    inputs: dict[str, Ints] = field(default_factory=dict)
+    memo: dict[Any, Any] = field(default_factory=dict)
+
+    def agent(self, name: str) -> Agent:
+        """The agent of that name."""
+        return self.mission.agents[name]
+
+    def position(self, name: str, step: int, axis: int) -> Affine:
+        """Coordinate `axis` (0 x, 1 y) [m] of an agent's or station's position at a step."""
+        station = self.mission.stations.get(name)
+        if station is not None:
+            return Affine(np.empty(0, np.int64), np.empty(0), float(station.position[axis]))
+        row = self.agent(name).dynamics.position
+        assert row is not None, "semantic analysis gives every radio a position"
+        used = np.flatnonzero(row[axis])
+        return Affine(self.states[name][step, used], row[axis][used])

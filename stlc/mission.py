@@ -1,0 +1,240 @@
+"""The checked mission: what semantic analysis hands to every later stage, and the Python API.
+
+All numbers are in SI units, angles in radians, strengths in dBm or dB, times in steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.ir.nodes import Node
+from stlc.source import Source, Span
+
+if TYPE_CHECKING:
+    from stlc.radio.gp import ChannelModel
+    from stlc.radio.links import LinkBudget
+    from stlc.radio.partition import Partition
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Polytope:
+    """Convex polygon {p : normals @ p <= offsets}; unit normals, so slacks are metres.
+
+    normals (k, 2), offsets (k,), vertices (k, 2) counter-clockwise [m].
+    """
+
+    normals: Array
+    offsets: Array
+    vertices: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """Union of convex pieces."""
+
+    name: str
+    pieces: tuple[Polytope, ...]
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Obstacle:
+    """A region to keep out of: `frames[t]` are its pieces at step t (the last stays for ever).
+
+    `frames` are inflated by `inflate` metres; `bodies` are the same frames before inflation.
+    """
+
+    name: str
+    frames: tuple[tuple[Polytope, ...], ...]
+    bodies: tuple[tuple[Polytope, ...], ...]
+    inflate: float = 0.0
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Dynamics:
+    """x(t+1) = A x(t) + B u(t) + drift, discrete time.
+
+    A (n, n), B (n, m), drift (n,). `position` (2, n) maps a state to its position [m], or is None
+    for an agent that is nowhere. `velocity` are the two state indices of d(position)/dt, if any.
+    `exact_quadratic`: the continuous motion between samples is p + v s + a s^2/2 with the constant
+    input of the step (double integrator), which makes the swept hull exact.
+    `outputs` name further linear signals: (c (n,), d (m,), constant, unit).
+    """
+
+    name: str
+    A: Array
+    B: Array
+    drift: Array
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    state_units: tuple[str, ...]
+    input_units: tuple[str, ...]
+    position: Array | None = None
+    velocity: tuple[int, int] | None = None
+    exact_quadratic: bool = False
+    outputs: Mapping[str, tuple[Array, Array, float, str]] = field(default_factory=dict)
+    span: Span | None = None
+
+
+class PolygonKind(Enum):
+    """Which side of a disc its regular polygon lies on."""
+
+    INSCRIBED = "inscribed"  # sound: within the disc
+    OUTER = "outer"  # circumscribed: the paper's, lets the norm exceed the limit
+
+
+@dataclass(frozen=True, slots=True)
+class NormBound:
+    """Euclidean norm of two states (or inputs) <= limit, by a polygon of `sides` sides.
+
+    Face h has the normal (sin(2 pi h / sides), cos(2 pi h / sides)), h = 1..sides, as in the
+    paper's eq. (17); offset `limit` (OUTER) or limit * cos(pi / sides) (INSCRIBED). States are
+    bounded at t = 1..T, inputs at t = 0..T-1.
+    """
+
+    indices: tuple[int, int]
+    limit: float
+    sides: int
+    kind: PolygonKind
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class TurnRate:
+    """||u|| <= (u_max / v_max) ||v|| at t = 0..T-1, the paper's turning rate (mass cancels).
+
+    `literal` leaves out the branch 'at rest' (||v|| <= rest_speed frees u).
+    """
+
+    u_max: float
+    v_max: float
+    directions: int = 16
+    literal: bool = False
+    rest_speed: float = 0.05
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Agent:
+    """One agent. Bounds are (n,) and (m,); state bounds hold at t = 0..T; infinite if absent."""
+
+    name: str
+    dynamics: Dynamics
+    start: Array
+    state_lower: Array
+    state_upper: Array
+    input_lower: Array
+    input_upper: Array
+    effort_state: Array  # q >= 0, (n,)
+    effort_input: Array  # r >= 0, (m,)
+    integer_inputs: bool = False
+    state_norms: tuple[NormBound, ...] = ()
+    input_norms: tuple[NormBound, ...] = ()
+    turn_rate: TurnRate | None = None
+    mass: float = 1.0
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Station:
+    """A radio that stays at `position` (2,) [m]."""
+
+    name: str
+    position: Array
+    height: float = 0.0
+    span: Span | None = None
+
+
+class Bound(Enum):
+    """What one number stands for a whole cell pair."""
+
+    CENTRE = "centre"  # the value between the centres: the paper's
+    MEAN = "mean"  # the mean over the cells
+    WORST = "worst"  # rigorous: the worst for the polarity it is used in
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Channel:
+    """A radio channel: a model (with a link budget), or link costs given as tables.
+
+    `tables[(a, b)]`, or `tables[None]` for every pair, is (n, n) with n the cells of `partition`.
+    """
+
+    name: str
+    partition: Partition
+    model: ChannelModel | None = None
+    budget: LinkBudget | None = None
+    cost: str = "inv_snr"
+    tables: Mapping[tuple[str, str] | None, Array] = field(default_factory=dict)
+    predicate_bound: Bound = Bound.WORST
+    cost_bound: Bound = Bound.MEAN
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Requirement:
+    """One `require`: satisfied when the robustness of `formula` at step 0 is >= `margin`."""
+
+    name: str
+    formula: Node
+    margin: float = 0.0
+    span: Span | None = None
+
+
+class TermKind(Enum):
+    """What an objective term adds up."""
+
+    EFFORT = "effort"
+    LINK_COST = "link_cost"
+    ROBUSTNESS = "robustness"
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectiveTerm:
+    """`weight` times a cost (robustness comes in with a negative weight: all is minimised).
+
+    EFFORT: sum_{t in window, t>=1} q'|x_t| + sum_{t in window, t<=T-1} r'|u_t| over `agents`.
+    LINK_COST: sum_{t in window, t>=1} of the channel's cost over `pairs`.
+    ROBUSTNESS: of one requirement, or of all together (`requirement` None: their minimum, each
+    divided by `scales[unit]`).
+    `normalised` divides a cost by its static range. `window` None is all steps.
+    """
+
+    kind: TermKind
+    weight: float
+    agents: tuple[str, ...] = ()
+    channel: str | None = None
+    pairs: tuple[tuple[str, str], ...] = ()
+    requirement: str | None = None
+    scales: Mapping[str, float] = field(default_factory=dict)
+    normalised: bool = False
+    window: tuple[int, int] | None = None
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mission:
+    """A mission that has passed every check."""
+
+    source: Source
+    step: float  # s
+    horizon: int  # T: steps 0..T
+    workspace: Polytope | None
+    agents: Mapping[str, Agent]
+    stations: Mapping[str, Station]
+    regions: Mapping[str, Region]
+    obstacles: Mapping[str, Obstacle]
+    channels: Mapping[str, Channel]
+    requirements: tuple[Requirement, ...]
+    objective: tuple[ObjectiveTerm, ...]
+    signals: tuple[str, ...] = ()  # free signals, for `stlc monitor`
+    warnings: tuple[Any, ...] = ()
