@@ -1,0 +1,86 @@
+"""`stlc check` and `stlc fmt`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from stlc.cli.common import mission_options, parse_defines, show_diagnostics
+from stlc.errors import MissionError, UsageError
+
+_FORMATS = click.Choice(["text", "json", "sarif", "github"])
+
+
+@click.command("check")
+@mission_options
+@click.option("--format", "style", type=_FORMATS, default="text", show_default=True)
+@click.option("--explain", "code", is_flag=True, help="FILE is a code such as E0201: tell more.")
+def check_command(
+    file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...], style: str, code: bool
+) -> int:
+    """Check FILE: every mistake with its place, reason and remedy. Exit 1 if there is any."""
+    if code:
+        click.echo(_explanation(str(file)))
+        return 0
+    from stlc.mission import Mission
+
+    try:
+        mission = Mission.from_file(file, params=parse_defines(define), allow_paths=allow_path)
+    except MissionError as error:
+        show_diagnostics(error.diagnostics, style)
+        return error.exit_status
+    if mission.warnings or style != "text":
+        show_diagnostics(mission.warnings, style)
+    if style == "text":
+        click.echo(f"{file}: {mission.summary()}")
+    return 0
+
+
+def _explanation(code: str) -> str:
+    import difflib
+    import inspect
+
+    from stlc.diagnostics import catalogue
+    from stlc.sema import load_all_diagnostics
+
+    load_all_diagnostics()
+    known = catalogue()
+    cls = known.get(code.upper())
+    if cls is None:
+        near = difflib.get_close_matches(code.upper(), known, n=3)
+        hint = f"; near it: {', '.join(near)}" if near else ""
+        raise UsageError(f"there is no diagnostic {code!r}{hint}")
+    return f"{cls.code} ({cls.severity.value})\n\n{inspect.cleandoc(cls.__doc__ or '')}"
+
+
+@click.command("fmt")
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--check", is_flag=True, help="Change nothing; exit 1 if a file would change.")
+@click.option("--stdout", is_flag=True, help="Print instead of rewriting.")
+def fmt_command(files: tuple[Path, ...], check: bool, stdout: bool) -> int:
+    """Lay out FILES in the one style; comments and meaning stay."""
+    from stlc.files import write_atomic
+    from stlc.syntax.parse import parse
+    from stlc.syntax.printer import format_file
+    from stlc.syntax.read import read_source
+
+    changed = []
+    for path in files:
+        source = read_source(path)
+        result = parse(source)
+        errors = [d for d in result.diagnostics if d.severity.value == "error"]
+        if errors:
+            raise MissionError(errors)
+        text = format_file(result.file)
+        if stdout:
+            click.echo(text, nl=False)
+        elif text != source.text:
+            changed.append(path)
+            if not check:
+                write_atomic(path, text)
+    for path in changed:
+        click.echo(f"{'would reformat' if check else 'reformatted'} {path}", err=True)
+    return 1 if check and changed else 0
+
+

@@ -1,0 +1,110 @@
+"""What the commands share: errors to exit statuses, common options, output."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from stlc.errors import MissionError, StlcError
+
+if TYPE_CHECKING:
+    from stlc.mission import Mission
+
+INTERRUPTED = 130
+INTERNAL = 70
+
+
+def run_guarded(command: click.Command) -> int:
+    """Run a click command; every outcome becomes an exit status, nothing a traceback."""
+    try:
+        result = command.main(standalone_mode=False, prog_name="stlc")
+    except click.exceptions.Abort:
+        return INTERRUPTED
+    except click.ClickException as error:
+        error.show()
+        return error.exit_code
+    except MissionError as error:
+        show_diagnostics(error.diagnostics)
+        return error.exit_status
+    except StlcError as error:
+        complain(str(error))
+        return error.exit_status
+    except BrokenPipeError:
+        # The reader went away (`| head`): not an error; keep the interpreter from flushing again.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except Exception as error:  # the last line of defence: a bug of ours, said so
+        return _confess(error)
+    return result if isinstance(result, int) else 0
+
+
+def _confess(error: Exception) -> int:
+    if os.environ.get("STLC_DEBUG"):
+        raise error
+    complain(
+        f"internal error ({type(error).__name__}: {error}).\n"
+        "This is a bug in stlc, not in your file; STLC_DEBUG=1 shows where. Please report it."
+    )
+    return INTERNAL
+
+
+def complain(message: str) -> None:
+    """One error sentence on standard error."""
+    click.echo(f"{click.style('error', fg='red', bold=True)}: {message}", err=True)
+
+
+def show_diagnostics(diagnostics: Any, style: str = "text") -> None:
+    """Diagnostics in one of the formats text, json, sarif, github (text goes to stderr)."""
+    from stlc.render import render
+
+    click.echo(render(tuple(diagnostics), style), err=style == "text")
+
+
+_Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
+
+
+def mission_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """`FILE`, `-D name=value`, `--allow-path DIR`."""
+    decorators: list[_Decorator] = [
+        click.argument("file", type=click.Path(path_type=Path)),
+        click.option(
+            "-D", "define", multiple=True, metavar="NAME=VALUE", help="Set a `param` of the file."
+        ),
+        click.option(
+            "--allow-path",
+            multiple=True,
+            type=click.Path(path_type=Path),
+            help="Also read imports and data from this folder.",
+        ),
+    ]
+    for decorator in reversed(decorators):
+        command = decorator(command)
+    return command
+
+
+def parse_defines(define: tuple[str, ...]) -> dict[str, str]:
+    """`v=3` pairs; the value is an expression of the language, such as `3 m/s`."""
+    pairs = {}
+    for item in define:
+        name, sign, value = item.partition("=")
+        if not sign or not name.strip():
+            raise click.UsageError(f"-D takes NAME=VALUE, not {item!r}")
+        pairs[name.strip()] = value.strip()
+    return pairs
+
+
+def load(file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...]) -> Mission:
+    """The checked mission; its warnings go to standard error."""
+    from stlc.mission import Mission
+
+    mission = Mission.from_file(file, params=parse_defines(define), allow_paths=allow_path)
+    if mission.warnings:
+        show_diagnostics(mission.warnings)
+    return mission

@@ -1,0 +1,49 @@
+"""`stlc backends` and `stlc encodings`."""
+
+from __future__ import annotations
+
+import json
+
+import click
+
+
+@click.command("backends")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def backends_command(as_json: bool) -> int:
+    """List the solvers, what they can do, and how to get those that are missing."""
+    from stlc import backends
+
+    rows = [_describe(backends.get(name)) for name in backends.names()]
+    if as_json:
+        click.echo(json.dumps({"backends": rows}, indent=2))
+        return 0
+    for row in rows:
+        state = row["version"] or f"missing: {row['missing']}"
+        click.echo(f"{row['name']:12} {state}")
+        click.echo(f"{'':12} {', '.join(row['capabilities'])}")
+    return 0
+
+
+def _describe(backend: object) -> dict[str, object]:
+    from stlc.backends.base import Backend, Capability
+
+    assert isinstance(backend, Backend)
+    missing = backend.available()
+    names = [c.name.lower() for c in Capability if c & backend.capabilities and c.name]
+    version = None if missing else backend.version()
+    return {"name": backend.name, "version": version, "missing": missing, "capabilities": names}
+
+
+@click.command("encodings")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def encodings_command(as_json: bool) -> int:
+    """List the encodings of formulas and of link tables."""
+    from stlc.milp.encodings import describe_encodings
+
+    rows = describe_encodings()
+    if as_json:
+        click.echo(json.dumps({"encodings": rows}, indent=2))
+        return 0
+    for row in rows:
+        click.echo(f"{row['kind']:8} {row['name']:14} {row['summary']}")
+    return 0

@@ -1,0 +1,78 @@
+"""The house is as docs/architecture.md says: packages listed, top level fixed, imports one way."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+ALLOWED_TOP = {
+    "pyproject.toml", "README.md", "stlc", "grammar", "backends", "tests", "benchmarks",
+    "examples", "docs", "Makefile", "constraints.txt", "LICENSE",
+}  # fmt: skip
+
+
+def _tracked() -> list[Path]:
+    listed = subprocess.run(
+        ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    return [Path(line) for line in listed.stdout.splitlines()]
+
+
+def _config() -> dict[str, dict[str, object]]:
+    return tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
+
+
+def _package_name(folder: Path) -> str:
+    parts = folder.relative_to(ROOT).parts
+    return ".".join(("stlc", *parts) if parts[0] in ("grammar", "backends") else parts)
+
+
+def test_packages_list_is_exactly_what_is_on_disk() -> None:
+    on_disk = {
+        _package_name((ROOT / path).parent)
+        for path in _tracked()
+        if path.name == "__init__.py" and path.parts[0] in ("stlc", "grammar", "backends")
+    }
+    assert sorted(on_disk) == sorted(_config()["packages"])
+
+
+def test_top_level_is_fixed() -> None:
+    top = {path.parts[0] for path in _tracked() if not path.parts[0].startswith(".")}
+    assert top <= ALLOWED_TOP
+
+
+def test_links_serve_type_checkers_only() -> None:
+    for name in ("grammar", "backends"):
+        link = ROOT / "stlc" / name
+        assert link.is_symlink()
+        assert link.resolve() == ROOT / name
+
+
+def _imports(path: Path) -> set[str]:
+    tree = ast.parse(path.read_text())
+    names: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            names.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names.add(node.module)
+    return names
+
+
+def test_verifier_has_never_met_the_encoder() -> None:
+    for path in (ROOT / "stlc" / "verify").rglob("*.py"):
+        met = {n for n in _imports(path) if n.startswith(("stlc.passes", "stlc.milp"))}
+        assert not met, f"{path} imports {met}"
+
+
+def test_nothing_names_this_machine() -> None:
+    for path in _tracked():
+        full = ROOT / path
+        if full.is_symlink() or path.suffix in (".png", ".gz", ".npz"):
+            continue
+        text = full.read_text(errors="replace")
+        assert "/".join(["", "work", ""]) not in text or path.name == "test_layout.py", path
+        assert "index" + "-url" not in text, path
