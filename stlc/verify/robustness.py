@@ -1,0 +1,242 @@
+"""Quantitative semantics of STL on sampled runs, with numpy.
+
+Every formula is judged at the leading steps 0..L-1 of a run, where L depends on how far it looks
+ahead: a bounded operator needs its whole window, an unbounded one ranges over the steps at which
+its body can still be judged. Arrays are therefore shorter than the run; an empty one says that
+the formula can't be judged at all.
+
+Sliding extrema take O(L log w) by doubling; until takes O(L) by the decomposition
+f U[a,b] g = G[0,a] f and F[a,b] g and F[a,a] (f U g), which is exact for robustness
+(Donze, Ferrere and Maler, Efficient robust monitoring for STL, CAV 2013, lemma 1).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.ir.nodes import (
+    Always,
+    And,
+    Const,
+    Eventually,
+    Iff,
+    Implies,
+    Linear,
+    Link,
+    Node,
+    Not,
+    Or,
+    Release,
+    Role,
+    Signal,
+    Timed,
+    Until,
+)
+
+Array = NDArray[np.float64]
+LinkEvaluator = Callable[[Link], Array]
+
+TOLERANCE = 1e-6
+"""A formula is satisfied when its robustness is at least its margin minus this."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trace:
+    """A sampled run.
+
+    `length` steps; `signals[owner, role]` is (steps, width), indexed by `Signal.index` (inputs
+    have one row less than states). `link` gives the robustness of a link predicate at steps
+    0..length-1, its `shift` left out; None when the run has no radio.
+    """
+
+    length: int
+    signals: Mapping[tuple[str, Role], Array] = field(default_factory=dict)
+    link: LinkEvaluator | None = None
+
+    def signal(self, signal: Signal) -> Array:
+        """Values from step `signal.shift` on. Raises KeyError for an unknown signal."""
+        return self.signals[signal.owner, signal.role][signal.shift :, signal.index]
+
+
+class Evaluator:
+    """Judges formulas on one run; what was judged is kept, so shared parts are judged once."""
+
+    def __init__(self, trace: Trace) -> None:
+        self.trace = trace
+        self._number: dict[tuple[object, ...], int] = {}  # structure -> class of equal nodes
+        self._class: dict[int, int] = {}  # id of a node -> its class
+        self._values: list[Array] = []
+        self._alive: list[Node] = []  # keeps the ids above valid
+
+    def robustness(self, node: Node) -> Array:
+        """Robustness (L,) at the steps where `node` can be judged.
+
+        Raises KeyError for a signal the run doesn't have, ValueError for a link predicate on a
+        run without a radio.
+        """
+        for part in _postorder(node, self._class):
+            self._judge(part)
+        return self._values[self._class[id(node)]]
+
+    def _judge(self, node: Node) -> None:
+        # Hash-consing on the way: equality of deep nodes is recursive, equality of classes isn't.
+        key = (
+            type(node),
+            *(self._class[id(k)] if isinstance(k, Node) else k for k in node.key),
+        )
+        number = self._number.get(key)
+        if number is None:
+            parts = [self._values[self._class[id(child)]] for child in node.children]
+            number = self._number[key] = len(self._values)
+            self._values.append(_value(node, parts, self.trace))
+        self._class[id(node)] = number
+        self._alive.append(node)
+
+
+def robustness(node: Node, trace: Trace) -> Array:
+    """Robustness (L,) of one formula; see `Evaluator.robustness`."""
+    return Evaluator(trace).robustness(node)
+
+
+def satisfaction(node: Node, trace: Trace, margin: float = 0.0) -> NDArray[np.bool_]:
+    """Whether the robustness reaches `margin` (less TOLERANCE) at each step that can be judged."""
+    return robustness(node, trace) >= margin - TOLERANCE
+
+
+def _postorder(root: Node, done: Mapping[int, int]) -> Iterator[Node]:
+    """Nodes not in `done`, children first, without recursion."""
+    todo: list[tuple[Node, bool]] = [(root, False)]
+    while todo:
+        node, expanded = todo.pop()
+        if id(node) in done:
+            continue
+        if expanded:
+            yield node
+            continue
+        todo.append((node, True))
+        todo.extend((child, False) for child in node.children)
+
+
+def _value(node: Node, parts: list[Array], trace: Trace) -> Array:
+    match node:
+        case Const(value=value):
+            return np.full(trace.length, np.inf if value else -np.inf)
+        case Linear():
+            return _linear(node, trace)
+        case Link():
+            return _link(node, trace)
+        case Timed():
+            return _timed(node, parts)
+        case Always(start=a, end=b):
+            return window_min(parts[0], a, b)
+        case Eventually(start=a, end=b):
+            return -window_min(-parts[0], a, b)
+        case Until(start=a, end=b):
+            return until(parts[0], parts[1], a, b)
+        case Release(start=a, end=b):
+            return -until(-parts[0], -parts[1], a, b)
+        case _:
+            return _boolean(node, parts, trace.length)
+
+
+def _boolean(node: Node, parts: list[Array], length: int) -> Array:
+    match node:
+        case Not():
+            return -parts[0]
+        case And():
+            return minimum(parts, length)
+        case Or():
+            return -minimum([-p for p in parts], length)
+        case Implies():
+            left, right = _aligned(*parts)
+            return np.asarray(np.maximum(-left, right))
+        case Iff():
+            left, right = _aligned(*parts)
+            return np.asarray(np.minimum(np.maximum(-left, right), np.maximum(-right, left)))
+        case _:
+            raise TypeError(f"no semantics for {type(node).__name__}")
+
+
+def _aligned(left: Array, right: Array) -> tuple[Array, Array]:
+    length = min(len(left), len(right))
+    return left[:length], right[:length]
+
+
+def _linear(node: Linear, trace: Trace) -> Array:
+    columns = [(trace.signal(signal), coefficient) for signal, coefficient in node.terms]
+    length = min((len(column) for column, _ in columns), default=trace.length)
+    total = np.full(length, float(node.constant))
+    for column, coefficient in columns:
+        total += coefficient * column[:length]
+    return total
+
+
+def _link(node: Link, trace: Trace) -> Array:
+    if trace.link is None:
+        raise ValueError(f"the run has no radio to judge {node.quantity.value} on")
+    return trace.link(node)[node.shift :]
+
+
+def _timed(node: Timed, parts: list[Array]) -> Array:
+    judged: list[float] = []
+    for step in range(max(map(len, parts), default=0)):
+        case = parts[min(step, len(parts) - 1)]
+        if step >= len(case):
+            break
+        judged.append(float(case[step]))
+    return np.asarray(judged, dtype=np.float64)
+
+
+def minimum(parts: list[Array], length: int) -> Array:
+    """Minimum over the common leading steps; of nothing it is +inf at `length` steps."""
+    shortest = min(map(len, parts), default=length)
+    total = np.full(shortest, np.inf)
+    for part in parts:
+        np.minimum(total, part[:shortest], out=total)
+    return total
+
+
+def window_min(values: Array, start: int, end: int | None) -> Array:
+    """min of values[t + start .. t + end]; `end` None reaches to the last value.
+
+    values (L,); returns (max(L - end, 0),), or (max(L - start, 0),) for an unbounded window.
+    """
+    if end is None:
+        return np.minimum.accumulate(values[::-1])[::-1][start:]
+    if len(values) <= end:
+        return np.empty(0)
+    out, width, wanted = values[start:], 1, end - start + 1
+    while 2 * width <= wanted:
+        out = np.minimum(out[:-width], out[width:])
+        width *= 2
+    rest = wanted - width
+    return np.minimum(out[: len(out) - rest], out[rest:])
+
+
+def until(left: Array, right: Array, start: int, end: int | None) -> Array:
+    """max over t' in [t+start, t+end] of min(right[t'], min(left[t..t'])): the paper's reading.
+
+    left, right (L,), cut to the shorter one; returns as many steps as `window_min` would.
+    """
+    left, right = _aligned(left, right)
+    held = _until_any(left, right)[start:]
+    if start:
+        held = np.minimum(held, window_min(left, 0, start))
+    if end is None:
+        return held
+    seen = -window_min(-right, start, end)
+    return np.minimum(held[: len(seen)], seen)
+
+
+def _until_any(left: Array, right: Array) -> Array:
+    """Unbounded until from each step: u(t) = min(left(t), max(right(t), u(t+1)))."""
+    out = np.minimum(left, right)
+    steps = range(len(out) - 1, -1, -1)
+    for later, step in pairwise(steps):
+        out[step] = min(left[step], max(right[step], out[later]))
+    return out
