@@ -1,0 +1,49 @@
+"""Solver backends: `get("highs").solve(model, SolveOptions())`.
+
+A backend is found by its name among the built-in ones, then among the entry points of the group
+`stlc.backends` (each names a class or function that is called without arguments). Nothing is
+imported before it is asked for.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
+from typing import cast
+
+from stlc.backends.base import Backend
+from stlc.errors import SolverError
+
+_BUILT_IN = {
+    "highs": "highs:Highs",
+}
+
+
+def names() -> tuple[str, ...]:
+    """Names of every backend known here, built-in ones first, whether installed or not."""
+    return (*_BUILT_IN, *sorted(set(_plugins()) - set(_BUILT_IN)))
+
+
+def get(name: str) -> Backend:
+    """The backend of that name; SolverError for an unknown name or a plugin that cannot load."""
+    if name in _BUILT_IN:
+        module, attribute = _BUILT_IN[name].split(":")
+        return cast(Backend, getattr(import_module(f"{__name__}.{module}"), attribute)())
+    plugin = _plugins().get(name)
+    if plugin is None:
+        raise SolverError(f"there is no backend '{name}'; known: {', '.join(names())}")
+    return _load(plugin)
+
+
+def _plugins() -> dict[str, EntryPoint]:
+    return {point.name: point for point in entry_points(group="stlc.backends")}
+
+
+def _load(plugin: EntryPoint) -> Backend:
+    try:
+        backend = plugin.load()()
+    except (ImportError, AttributeError) as error:
+        raise SolverError(f"backend '{plugin.name}' could not be loaded: {error}") from error
+    if not isinstance(backend, Backend):
+        raise SolverError(f"backend '{plugin.name}' ({plugin.value}) is not a Backend")
+    return backend

@@ -27,6 +27,8 @@ class Capability(Flag):
     THREADS = auto()
     SEED = auto()
     NODES = auto()  # reports its node count
+    CANCEL = auto()  # stops within about a second when `should_stop` says so
+    EXTRA = auto()  # takes the solver's own options
 
 
 class Status(Enum):
@@ -92,8 +94,13 @@ class Solution:
 class Backend(Protocol):
     """One solver. `solve` raises SolverError when the solver itself fails."""
 
-    name: str
-    capabilities: Capability
+    @property
+    def name(self) -> str:
+        """The word a person selects it by, such as `highs`."""
+
+    @property
+    def capabilities(self) -> Capability:
+        """What it can do besides solving; every other option is listed in `Solution.ignored`."""
 
     def available(self) -> str | None:
         """None when it can run here, else one sentence with the command that installs it."""

@@ -1,0 +1,206 @@
+"""HiGHS by highspy: the embedded default solver. Arrays go over in one `passModel` call."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from stlc.backends.base import Capability, Progress, Solution, SolveOptions, Status
+from stlc.backends.support import (
+    Worker,
+    finite,
+    ignored,
+    infeasible_or_unbounded,
+    missing,
+    point,
+    require,
+    trivial,
+)
+from stlc.errors import SolverError
+from stlc.milp.model import Model
+
+
+class _Scheduler:
+    """HiGHS keeps one thread pool a process: it may only be resized while nothing is solved."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._active = 0
+        self._threads = 0
+
+    @contextmanager
+    def claim(self, threads: int) -> Iterator[bool]:
+        """Yield whether the pool has (or was given) the size asked for; 0 is HiGHS's choice."""
+        with self._lock:
+            if threads != self._threads and self._active == 0:
+                _highspy().Highs.resetGlobalScheduler(True)
+                self._threads = threads
+            granted = threads == self._threads
+            self._active += 1
+        try:
+            yield granted
+        finally:
+            with self._lock:
+                self._active -= 1
+
+
+_SCHEDULER = _Scheduler()
+
+
+def _highspy() -> Any:
+    import highspy
+
+    return highspy
+
+
+@dataclass(frozen=True, slots=True)
+class Highs:
+    """HiGHS >= 1.15.1 (1.14.0 returned wrong optima)."""
+
+    name: ClassVar[str] = "highs"
+    capabilities: ClassVar[Capability] = ~Capability.NONE
+
+    def available(self) -> str | None:
+        """None when highspy can be imported."""
+        return missing("highspy", "'highspy>=1.15.1'")
+
+    def version(self) -> str:
+        """Such as 'HiGHS 1.15.1'."""
+        return f"HiGHS {_highspy().Highs().version()}"
+
+    def solve(self, model: Model, options: SolveOptions) -> Solution:
+        """Minimise. SolverError on any error status of HiGHS; solver options through `extra`."""
+        require(self)
+        if (answer := trivial(self, model, options)) is not None:
+            return answer
+        began = time.perf_counter()
+        with _SCHEDULER.claim(options.threads or 0) as granted:
+            h, worker = _loaded(model), Worker(options)
+            _configure(h, options, granted)
+            _listen(h, worker, model)
+            worker.run(lambda: _check(h.run(), "run"))
+            return self._read(h, model, options, granted, time.perf_counter() - began)
+
+    def _read(
+        self, h: Any, model: Model, options: SolveOptions, granted: bool, seconds: float
+    ) -> Solution:
+        info, has_point = h.getInfo(), _has_point(h)
+        status = _status(h, has_point)
+        if status is None:
+            status = infeasible_or_unbounded(self, model, options)
+        has_point = has_point and status in (Status.OPTIMAL, Status.FEASIBLE)
+        is_mip = bool(model.integrality.any())
+        bound = info.mip_dual_bound if is_mip else info.objective_function_value
+        known = is_mip or status is Status.OPTIMAL
+        return Solution(
+            status,
+            point(h.getSolution().col_value, model.columns, "HiGHS") if has_point else None,
+            info.objective_function_value if has_point else None,
+            finite(bound) if known and status is not Status.INFEASIBLE else None,
+            int(info.mip_node_count) if is_mip else None,
+            seconds,
+            self.name,
+            self.version(),
+            ignored(self, options) + (() if granted else ("threads",)),
+            h.modelStatusToString(h.getModelStatus()),
+        )
+
+
+def _check(status: Any, what: str) -> None:
+    if status == _highspy().HighsStatus.kError:
+        raise SolverError(f"HiGHS reported an error in {what}")
+
+
+def _loaded(model: Model) -> Any:
+    hs, A = _highspy(), model.A
+    h = hs.Highs()
+    _check(h.setOptionValue("log_to_console", False), "log_to_console")
+    status = h.passModel(
+        model.columns, model.rows, A.nnz, int(hs.MatrixFormat.kRowwise),
+        int(hs.ObjSense.kMinimize), model.offset, model.c, model.col_lower, model.col_upper,
+        model.row_lower, model.row_upper, A.indptr.astype(np.int32), A.indices.astype(np.int32),
+        A.data, model.integrality.astype(np.int32),
+    )  # fmt: skip
+    _check(status, "passModel")
+    return h
+
+
+def _configure(h: Any, options: SolveOptions, granted: bool) -> None:
+    values: dict[str, object] = {"mip_rel_gap": options.gap}
+    if options.time_limit is not None:
+        values["time_limit"] = float(options.time_limit)
+    if options.threads is not None and granted:
+        values["threads"] = options.threads
+    if options.seed is not None:
+        values["random_seed"] = options.seed
+    for key, value in (values | options.extra).items():
+        _check(h.setOptionValue(key, value), f"option {key} = {value!r}")
+    if options.start is not None:
+        columns = np.arange(len(options.start), dtype=np.int32)
+        _check(h.setSolution(len(columns), columns, options.start), "setSolution")
+
+
+def _listen(h: Any, worker: Worker, model: Model) -> None:
+    def interrupt(event: Any) -> None:
+        event.interrupt(worker.stopping())
+
+    def progress(event: Any) -> None:
+        worker.report(_progress(event.data_out))
+
+    def incumbent(event: Any) -> None:
+        out = event.data_out
+        x = np.array(out.mip_solution, dtype=float)
+        bound, nodes = finite(out.mip_dual_bound), int(out.mip_node_count)
+        objective = finite(out.objective_function_value)
+        worker.report(Progress(out.running_time, objective, bound, nodes, x))
+
+    h.cbSimplexInterrupt.subscribe(interrupt)
+    h.cbIpmInterrupt.subscribe(interrupt)
+    h.cbMipInterrupt.subscribe(interrupt)
+    if worker.options.on_progress is not None and model.integrality.any():
+        h.cbMipLogging.subscribe(progress)
+        h.cbMipImprovingSolution.subscribe(incumbent)
+
+
+def _progress(out: Any) -> Progress:
+    return Progress(
+        out.running_time,
+        finite(out.mip_primal_bound),
+        finite(out.mip_dual_bound),
+        int(out.mip_node_count),
+    )
+
+
+def _has_point(h: Any) -> bool:
+    return bool(h.getInfo().primal_solution_status == _highspy().kSolutionStatusFeasible)
+
+
+def _status(h: Any, has_point: bool) -> Status | None:
+    """None when HiGHS cannot tell infeasible from unbounded."""
+    claims = _highspy().HighsModelStatus
+    match h.getModelStatus():
+        case claims.kOptimal:
+            return Status.OPTIMAL
+        case claims.kInfeasible:
+            return Status.INFEASIBLE
+        case claims.kUnbounded:
+            return Status.UNBOUNDED
+        case claims.kUnboundedOrInfeasible:
+            return None
+        case (
+            claims.kTimeLimit
+            | claims.kInterrupt
+            | claims.kSolutionLimit
+            | claims.kIterationLimit
+            | claims.kObjectiveBound
+            | claims.kObjectiveTarget
+        ):
+            return Status.FEASIBLE if has_point else Status.NO_SOLUTION
+        case _:
+            return Status.FAILED
