@@ -1,0 +1,112 @@
+"""Link costs: what one step of one link costs, from its mean and spread.
+
+mu [dBm] and sigma [dB] are those of one packet (fading included) unless said otherwise; the
+SNR cost uses mu minus the noise floor. Infinite values are clamped and the clamping reported.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from math import log
+from typing import assert_never
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.radio.errors import RadioError
+from stlc.radio.links import LinkBudget, average, q_function
+
+Array = NDArray[np.float64]
+
+CLAMP = 1e6
+"""Largest cost a table may hold."""
+
+
+class CostName(StrEnum):
+    """Link costs a mission may name."""
+
+    INV_SNR = "inv_snr"
+    ETX = "etx"
+    NEG_LOG_PRR = "neg_log_prr"
+    OUTAGE = "outage"
+    NEG_RSSI = "neg_rssi"
+    PAPER_INV_RSSI = "paper_inv_rssi"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CostValues:
+    """Costs of any shape; `clamped` of them were infinite or above CLAMP; notes to show."""
+
+    values: Array
+    clamped: int
+    notes: tuple[str, ...] = ()
+
+
+def link_cost(cost: CostName, mean: Array, sigma: Array, budget: LinkBudget) -> CostValues:
+    """The cost of links of mean strength `mean` [dBm] and spread `sigma` [dB], same shapes.
+
+    inv_snr         E[1/SNR] = 10^(-snr/10) exp((ln10/10)^2 sigma^2 / 2), energy for each bit
+    etx             1 / (PRR_f PRR_r), both directions alike; PRR averaged over sigma
+    neg_log_prr     -ln PRR
+    outage          P(rssi < sensitivity)
+    neg_rssi        -mu
+    paper_inv_rssi  the paper's 1/RSSI with RSSI in dB: wrong in scale, singular at 0
+    Raises RadioError when the receiver lacks what the cost needs.
+    """
+    with np.errstate(divide="ignore", over="ignore"):
+        raw = np.asarray(_raw_cost(cost, mean, sigma, budget), dtype=np.float64)
+    bad = ~np.isfinite(raw) | (np.abs(raw) > CLAMP)
+    clean = np.clip(np.nan_to_num(raw, nan=CLAMP, posinf=CLAMP, neginf=-CLAMP), -CLAMP, CLAMP)
+    return CostValues(clean, int(bad.sum()), _notes(cost, int(bad.sum())))
+
+
+def _raw_cost(cost: CostName, mean: Array, sigma: Array, budget: LinkBudget) -> Array:
+    match cost:
+        case CostName.INV_SNR:
+            scale = log(10.0) / 10.0
+            return np.exp(-scale * budget.snr(mean) + 0.5 * (scale * sigma) ** 2)
+        case CostName.ETX:
+            return np.asarray(1.0 / average(budget.prr, mean, sigma) ** 2)
+        case CostName.NEG_LOG_PRR:
+            return np.asarray(-np.log(np.maximum(average(budget.prr, mean, sigma), 0.0)))
+        case CostName.OUTAGE:
+            return _outage(mean, sigma, budget)
+        case CostName.NEG_RSSI:
+            return -mean
+        case CostName.PAPER_INV_RSSI:
+            return np.asarray(1.0 / mean)
+        case _:
+            assert_never(cost)
+
+
+def _outage(mean: Array, sigma: Array, budget: LinkBudget) -> Array:
+    if budget.sensitivity is None:
+        raise RadioError("outage needs the receiver's sensitivity: add `sensitivity -90 dBm`")
+    gap = mean - budget.sensitivity
+    spread = np.maximum(sigma, 1e-12)
+    return q_function(gap / spread)
+
+
+def _notes(cost: CostName, clamped: int) -> tuple[str, ...]:
+    notes: list[str] = []
+    if clamped:
+        notes.append(f"{clamped} values of {cost.value} were clamped to {CLAMP:g}")
+    if cost is CostName.PAPER_INV_RSSI:
+        notes.append(
+            "paper_inv_rssi divides by a level in dB: it changes sign at 0 dBm, is singular "
+            "there and has no physical scale; inv_snr is the expected energy for each bit"
+        )
+    return tuple(notes)
+
+
+def decreasing_in_mean(cost: CostName) -> bool:
+    """True when a stronger link never costs more (`paper_inv_rssi` jumps at 0 dBm)."""
+    return cost is not CostName.PAPER_INV_RSSI
+
+
+def normalised(values: Array) -> tuple[Array, float]:
+    """`values` divided by their static range max - min, and that range (1 when constant)."""
+    spread = float(values.max() - values.min()) if values.size else 0.0
+    scale = spread if spread > 0 else 1.0
+    return values / scale, scale

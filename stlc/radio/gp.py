@@ -1,0 +1,170 @@
+"""The channel: log-distance path loss, shadowing Gaussian process, independent fading.
+
+RSSI(y) ~ GP(m(y) + C_yT (C_T + sigma_F^2 I)^-1 (z_T - m(Y_T)),
+             C_y - C_yT (C_T + sigma_F^2 I)^-1 C_Ty + sigma_F^2)     (paper, eq. (3))
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.radio.errors import KernelError, RadioError
+from stlc.radio.kernel import KernelName, check_covariance, correlation
+from stlc.radio.pathloss import link_distance, path_loss_mean
+from stlc.radio.posterior import (
+    JITTER,
+    Posterior,
+    cholesky,
+    choose_centres,
+    exact_posterior,
+    inducing_posterior,
+)
+from stlc.radio.samples import Samples, merge
+
+Array = NDArray[np.float64]
+
+EXACT_LIMIT = 2500
+"""Links up to which a channel is conditioned exactly."""
+
+CHUNK = 4096
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ChannelModel:
+    """A radio channel between two positions.
+
+    l0          received strength [dBm] at 1 m by the path-loss law
+    exponent    path-loss exponent n [-]
+    fading      sigma_F^2 [dB^2], independent from packet to packet
+    shadowing   sigma_k^2 [dB^2], variance of the spatial process
+    length      correlation length of the shadowing [m]
+    d0          distance [m] below which the path loss stays constant
+    kernel      see `stlc.radio.kernel`
+    offsets     calibration offset [dB] of each named receiver, added to its mean
+    posterior   what measurements add; None for the prior
+    """
+
+    l0: float
+    exponent: float
+    fading: float
+    shadowing: float
+    length: float
+    d0: float = 1.0
+    kernel: KernelName = KernelName.SYMMETRISED
+    offsets: tuple[tuple[str, float], ...] = ()
+    posterior: Posterior | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("l0", "exponent"):
+            if not np.isfinite(getattr(self, name)):
+                raise RadioError(f"channel: {name} must be finite")
+        for name in ("fading", "shadowing"):
+            if not (np.isfinite(getattr(self, name)) and getattr(self, name) >= 0):
+                raise RadioError(f"channel: {name} is a variance [dB^2], finite and >= 0")
+        for name in ("length", "d0"):
+            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0):
+                raise RadioError(f"channel: {name} is a distance [m], finite and > 0")
+
+    def mean(self, links: Array, receiver: str | None = None) -> Array:
+        """Path-loss mean m(y) (K,) [dBm] of links (K, 2 D) [m]."""
+        base = path_loss_mean(link_distance(links), self.l0, self.exponent, self.d0)
+        return base + self.offset(receiver)
+
+    def offset(self, receiver: str | None) -> float:
+        """Calibration offset [dB]; 0 for None. Raises RadioError for an unknown name."""
+        if receiver is None:
+            return 0.0
+        known = dict(self.offsets)
+        if receiver not in known:
+            raise RadioError(f"no receiver {receiver!r}; known: {', '.join(known) or 'none'}")
+        return known[receiver]
+
+    def predict(
+        self, links: Array, fading: bool, receiver: str | None = None
+    ) -> tuple[Array, Array]:
+        """Posterior mean (K,) [dBm] and variance (K,) [dB^2] of links (K, 2 D) [m].
+
+        fading=True: one packet; False: the mean of many packets over the same link.
+        Raises KernelError when the kernel yields a negative variance (`paper_min` may).
+        """
+        links = np.asarray(links, dtype=np.float64)
+        mean = self.mean(links, receiver)
+        variance = np.full(len(links), float(self.shadowing))
+        if self.posterior is not None:
+            for start in range(0, len(links), CHUNK):
+                rows = slice(start, start + CHUNK)
+                gain, drop = self._update(links[rows], self.posterior)
+                mean[rows] += gain
+                variance[rows] -= drop
+        return mean, self.checked_variance(variance) + (self.fading if fading else 0.0)
+
+    def checked_variance(self, variance: Array) -> Array:
+        """`variance` with rounding removed; KernelError when it is truly negative."""
+        least = float(variance.min(initial=0.0))
+        if least < -1e-6 * max(self.shadowing, 1.0):
+            raise KernelError(
+                f"kernel {self.kernel.value} gives a negative variance ({least:.3g} dB^2): "
+                "it is no covariance here; use kernel = symmetrised"
+            )
+        return np.asarray(np.maximum(variance, 0.0), dtype=np.float64)
+
+    def _update(self, links: Array, posterior: Posterior) -> tuple[Array, Array]:
+        cross = self.shadowing * correlation(links, posterior.centres, self.length, self.kernel)
+        reduced = cross @ posterior.factor.T
+        return cross @ posterior.weights, np.einsum("ij,ij->i", reduced, reduced)
+
+    def covariance(self, links: Array) -> Array:
+        """Prior shadowing covariance (K, K) [dB^2]."""
+        return self.shadowing * correlation(links, links, self.length, self.kernel)
+
+    def sample_prior(self, links: Array, rng: np.random.Generator) -> Array:
+        """One joint draw (K,) [dBm], shadowing and fading, from the prior (seeded by `rng`)."""
+        matrix = self.covariance(links)
+        matrix[np.diag_indices_from(matrix)] += JITTER * max(self.shadowing, 1e-12)
+        lower = cholesky(matrix, "the prior covariance")
+        shadow = lower @ rng.standard_normal(len(links))
+        packet = np.sqrt(self.fading) * rng.standard_normal(len(links))
+        return np.asarray(self.mean(links) + shadow + packet, dtype=np.float64)
+
+
+def condition(model: ChannelModel, samples: Samples, most_centres: int = 1000) -> ChannelModel:
+    """The channel given uncensored samples (paper, eq. (3)); repeated links merged exactly.
+
+    Up to EXACT_LIMIT links the conditioning is exact, beyond it uses inducing links.
+    Raises RadioError for censored samples (fit them: `stlc.radio.fit`) and KernelError for a
+    kernel that is no covariance.
+    """
+    if samples.censored.any():
+        raise RadioError("censored samples cannot be conditioned on directly; fit the channel")
+    merged = merge(samples)
+    noise = model.fading / merged.count
+    return condition_on_sites(model, merged.samples, merged.samples.rssi, noise, most_centres)
+
+
+def condition_on_sites(
+    model: ChannelModel, samples: Samples, target: Array, noise: Array, most_centres: int
+) -> ChannelModel:
+    """Condition on pseudo-observations `target` (K,) [dBm] of noise variance `noise` (K,)."""
+    prior = replace(model, posterior=None)
+    if not len(samples) or model.shadowing == 0.0:
+        return prior
+    if model.kernel is KernelName.PAPER_MIN:
+        check_covariance(samples.links, model.length, model.kernel)
+    shift = np.array([model.offset(n) if model.offsets else 0.0 for n in samples.names])
+    residual = target - prior.mean(samples.links) - shift[samples.receiver]
+    shape = (model.shadowing, model.length, model.kernel)
+    if len(samples) <= EXACT_LIMIT:
+        exact = exact_posterior(samples.links, residual, noise + _floor_noise(model), *shape)
+        return replace(prior, posterior=exact)
+    rows = choose_centres(samples.links, model.length, model.kernel, most_centres)
+    noise = np.maximum(noise, 1e-6)
+    sparse = inducing_posterior(samples.links[rows], samples.links, residual, noise, *shape)
+    return replace(prior, posterior=sparse)
+
+
+def _floor_noise(model: ChannelModel) -> float:
+    """A speck of noise that keeps the covariance regular when there is no fading."""
+    return 0.0 if model.fading > 0 else 1e-8

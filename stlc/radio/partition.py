@@ -1,0 +1,164 @@
+"""Cells of the workspace on which a channel is tabulated.
+
+A grid numbers its cells ix * ny + iy (columns of constant x one after the other). A quadtree
+has no axes of its own; `common_grid` gives the coarsest grid that refines it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.radio.errors import RadioError
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
+
+TOUCH = 1e-6
+"""A point this close [m] to a cell is counted in it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Partition:
+    """Closed axis-aligned cells with disjoint interiors.
+
+    boxes  (n, 4) [m]: x_lo, x_hi, y_lo, y_hi
+    edges  for a grid its increasing edges along x (nx + 1,) and y (ny + 1,) [m]; else None
+    """
+
+    boxes: Array
+    edges: tuple[Array, Array] | None = None
+
+    def __post_init__(self) -> None:
+        if self.boxes.ndim != 2 or self.boxes.shape[1] != 4 or not len(self.boxes):
+            raise RadioError(f"a partition needs boxes of shape (n, 4), not {self.boxes.shape}")
+        width = self.boxes[:, 1::2] - self.boxes[:, 0::2]
+        if not (np.isfinite(self.boxes).all() and (width > 0).all()):
+            raise RadioError("every cell of a partition needs a width above 0 along both axes")
+
+    def __len__(self) -> int:
+        return len(self.boxes)
+
+    @property
+    def shape(self) -> tuple[int, int] | None:
+        """(nx, ny) of a grid, else None."""
+        return None if self.edges is None else (len(self.edges[0]) - 1, len(self.edges[1]) - 1)
+
+    @property
+    def low(self) -> Array:
+        """Lower corners (n, 2) [m]."""
+        return self.boxes[:, 0::2]
+
+    @property
+    def high(self) -> Array:
+        """Upper corners (n, 2) [m]."""
+        return self.boxes[:, 1::2]
+
+    @property
+    def centres(self) -> Array:
+        """Centres (n, 2) [m]."""
+        return np.asarray((self.low + self.high) / 2.0, dtype=np.float64)
+
+    def cells_at(self, point: Sequence[float] | Array, tolerance: float = TOUCH) -> Ints:
+        """Every cell that touches the point (2,) [m]; several at a border, none outside."""
+        return self.touching(np.asarray(point), np.asarray(point), tolerance)
+
+    def touching(self, low: Array, high: Array, tolerance: float = TOUCH) -> Ints:
+        """Every cell that meets the closed box from `low` (2,) to `high` (2,) [m]."""
+        meets = (self.low <= high + tolerance) & (self.high >= low - tolerance)
+        return np.asarray(np.flatnonzero(meets.all(axis=1)), dtype=np.intp)
+
+    def clip(self, low: Sequence[float], high: Sequence[float]) -> Partition:
+        """The cells cut to a box [m]; cells that only touch it are left out.
+
+        Raises RadioError when nothing is left.
+        """
+        if self.edges is not None:
+            axes = [_clip_edges(e, low[k], high[k]) for k, e in enumerate(self.edges)]
+            return grid(axes[0], axes[1])
+        boxes = self.boxes.copy()
+        boxes[:, 0::2] = np.maximum(boxes[:, 0::2], low)
+        boxes[:, 1::2] = np.minimum(boxes[:, 1::2], high)
+        kept = (boxes[:, 1::2] - boxes[:, 0::2] > TOUCH).all(axis=1)
+        return Partition(boxes[kept])
+
+    def common_grid(self) -> tuple[Partition, Ints]:
+        """The coarsest grid that refines this partition, and the cell (n_grid,) that holds each
+        grid cell (-1 for a grid cell outside every cell)."""
+        if self.edges is not None:
+            return self, np.arange(len(self), dtype=np.intp)
+        fine = grid(np.unique(self.boxes[:, :2]), np.unique(self.boxes[:, 2:]))
+        owner = np.full(len(fine), -1, dtype=np.intp)
+        for cell, (x_lo, x_hi, y_lo, y_hi) in enumerate(self.boxes):
+            x, y = fine.centres[:, 0], fine.centres[:, 1]
+            owner[(x > x_lo) & (x < x_hi) & (y > y_lo) & (y < y_hi)] = cell
+        return fine, owner
+
+
+def grid(x_edges: Sequence[float] | Array, y_edges: Sequence[float] | Array) -> Partition:
+    """Grid with the given edges [m], not necessarily uniform or square.
+
+    Raises RadioError unless the edges are strictly increasing.
+    """
+    axes = [np.asarray(e, dtype=np.float64) for e in (x_edges, y_edges)]
+    for name, edges in zip("xy", axes, strict=True):
+        if edges.ndim != 1 or len(edges) < 2 or not (np.diff(edges) > 0).all():
+            raise RadioError(f"partition edges along {name} must be strictly increasing")
+    x, y = axes
+    x_lo, y_lo = np.meshgrid(x[:-1], y[:-1], indexing="ij")
+    x_hi, y_hi = np.meshgrid(x[1:], y[1:], indexing="ij")
+    boxes = np.column_stack([x_lo.ravel(), x_hi.ravel(), y_lo.ravel(), y_hi.ravel()])
+    return Partition(boxes, (x, y))
+
+
+def uniform_grid(
+    x_range: tuple[float, float], y_range: tuple[float, float], nx: int, ny: int
+) -> Partition:
+    """Grid of nx by ny equal cells over a rectangle [m]."""
+    if nx < 1 or ny < 1:
+        raise RadioError(f"a partition needs at least one cell along each axis, not {nx} x {ny}")
+    return grid(np.linspace(*x_range, nx + 1), np.linspace(*y_range, ny + 1))
+
+
+def _clip_edges(edges: Array, low: float, high: float) -> Array:
+    inner = edges[(edges > low + TOUCH) & (edges < high - TOUCH)]
+    ends = max(low, edges[0]), min(high, edges[-1])
+    if ends[1] - ends[0] <= TOUCH:
+        raise RadioError("the partition and the workspace do not overlap")
+    return np.concatenate([[ends[0]], inner, [ends[1]]])
+
+
+def split_cells(partition: Partition, cells: Ints) -> Partition:
+    """Replace each listed cell by its four quarters."""
+    kept = np.delete(partition.boxes, cells, axis=0)
+    x_lo, x_hi, y_lo, y_hi = partition.boxes[cells].T
+    x_mid, y_mid = (x_lo + x_hi) / 2.0, (y_lo + y_hi) / 2.0
+    parts = [kept]
+    for x in ((x_lo, x_mid), (x_mid, x_hi)):
+        parts += [np.column_stack([*x, *y]) for y in ((y_lo, y_mid), (y_mid, y_hi))]
+    boxes = np.vstack(parts)
+    return Partition(boxes[np.lexsort((boxes[:, 2], boxes[:, 0]))])
+
+
+def quadtree(
+    start: Partition,
+    score: Callable[[Partition], Array],
+    tolerance: float,
+    most_cells: int,
+) -> Partition:
+    """Split the cells whose `score(partition)` (n,) exceeds `tolerance`, worst first, until
+    none does or one more split would pass `most_cells`.
+
+    `stlc.radio.refine` has scores for tables that vary and for thresholds that pass.
+    """
+    current = start
+    while True:
+        value = score(current)
+        worst = np.argsort(-value, kind="stable")
+        worst = worst[value[worst] > tolerance][: max((most_cells - len(current)) // 3, 0)]
+        if not len(worst):
+            return current
+        current = split_cells(current, np.sort(worst))

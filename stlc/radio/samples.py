@@ -1,0 +1,118 @@
+"""Measured samples: links, received strengths, receivers, censoring; merged exactly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.radio.errors import RadioError
+from stlc.radio.pathloss import split_links, swap_ends
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Samples:
+    """K measured links.
+
+    links     (K, 2 D) [m], sender then receiver, D = 2 or 3
+    rssi      (K,) [dBm]
+    floor     (K,) [dBm]; a row with rssi <= floor is left-censored: all that is known is that
+              its strength is at most `floor`. -inf: never censored
+    receiver  (K,) index into `names`, whose unknown offsets a fit may estimate; all zero when
+              there is one calibration for all
+    """
+
+    links: Array
+    rssi: Array
+    floor: Array
+    receiver: Ints
+    names: tuple[str, ...] = ("",)
+
+    def __post_init__(self) -> None:
+        split_links(self.links)
+        count = len(self.links)
+        if not (len(self.rssi) == len(self.floor) == len(self.receiver) == count):
+            raise RadioError("links, rssi, floor and receiver differ in length")
+        if not (np.isfinite(self.links).all() and np.isfinite(self.rssi).all()):
+            raise RadioError("samples hold a value that is not finite")
+
+    def __len__(self) -> int:
+        return len(self.rssi)
+
+    @property
+    def censored(self) -> NDArray[np.bool_]:
+        """Rows (K,) of which only `strength <= floor` is known."""
+        return np.asarray(self.rssi <= self.floor, dtype=np.bool_)
+
+    def take(self, rows: Ints | NDArray[np.bool_]) -> Samples:
+        """The samples of the given rows, in that order."""
+        return Samples(
+            self.links[rows], self.rssi[rows], self.floor[rows], self.receiver[rows], self.names
+        )
+
+    def with_floor(self, floor: float | Array) -> Samples:
+        """The same samples, censored at `floor` [dBm] (one number, or one a receiver)."""
+        level = np.atleast_1d(np.asarray(floor, dtype=np.float64))
+        per_row = np.full(len(self), level[0]) if level.size == 1 else level[self.receiver]
+        return Samples(self.links, self.rssi, per_row, self.receiver, self.names)
+
+
+def make_samples(links: Array, rssi: Array) -> Samples:
+    """Uncensored samples of one calibration; links (K, 2 D) [m], rssi (K,) [dBm]."""
+    count = len(rssi)
+    return Samples(
+        np.asarray(links, dtype=np.float64),
+        np.asarray(rssi, dtype=np.float64),
+        np.full(count, -np.inf),
+        np.zeros(count, dtype=np.intp),
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Merged:
+    """Samples with repeated links replaced by their mean: exact, not an approximation.
+
+    For n samples of one link the mean (variance sigma_F^2 / n) is sufficient for the
+    shadowing; `scatter` and `surplus` keep what the likelihood of sigma_F^2 still needs.
+
+    samples   one row a link and receiver; censored rows are never merged
+    count     (K,) how many samples each row stands for
+    scatter   sum of squares within the groups [dB^2]
+    surplus   samples minus rows
+    row_of    (K0,) the merged row of each original sample
+    """
+
+    samples: Samples
+    count: Array
+    scatter: float
+    surplus: int
+    row_of: Ints
+
+
+def merge(samples: Samples) -> Merged:
+    """Merge equal links (also those equal after exchanging their ends) of one receiver."""
+    canonical = _canonical(samples.links)
+    own = np.where(samples.censored, np.arange(1, len(samples) + 1), 0)
+    key = np.column_stack([canonical, samples.receiver, own])
+    _, first, row_of = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    row_of = row_of.reshape(-1)
+    count = np.bincount(row_of).astype(np.float64)
+    mean = np.bincount(row_of, weights=samples.rssi) / count
+    scatter = float(((samples.rssi - mean[row_of]) ** 2).sum())
+    kept = samples.take(first)
+    merged = Samples(kept.links, mean, kept.floor, kept.receiver, kept.names)
+    return Merged(merged, count, scatter, len(samples) - len(first), row_of)
+
+
+def _canonical(links: Array) -> Array:
+    """Each link with its lexicographically smaller end first."""
+    sender, receiver = split_links(links)
+    different = sender != receiver
+    axis = np.argmax(different, axis=1)
+    rows = np.arange(len(links))
+    flip = sender[rows, axis] > receiver[rows, axis]
+    return np.asarray(np.where(flip[:, None], swap_ends(links), links), dtype=np.float64)
