@@ -1,0 +1,1 @@
+"""Pictures of plans, drawn with matplotlib (imported when a picture is asked for)."""
