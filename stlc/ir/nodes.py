@@ -65,11 +65,39 @@ class Quantity(Enum):
     COST = "cost"  # the channel's own link cost
 
 
+class Motion(Enum):
+    """What a `swept` condition says of the motion from one step to the next."""
+
+    OUTSIDE = "outside"  # of an obstacle (inflated) or region
+    INSIDE = "inside"  # of a region
+    SEPARATION = "separation"  # |dx| >= distances[0] or |dy| >= distances[1]
+
+
+@dataclass(frozen=True, slots=True)
+class Swept:
+    """The meaning behind a node that stands for a `swept` condition at its step t.
+
+    The node is a sufficient condition over samples; this says what it is sufficient for, over all
+    times in [t, t + 1]. `place` names an obstacle or region, `other` the second agent or station.
+    The verifier judges it in continuous time without looking at the node.
+    """
+
+    motion: Motion
+    agent: str
+    place: str | None = None
+    other: str | None = None
+    distances: tuple[float, float] = (0.0, 0.0)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Node:
-    """Base of all nodes; equality and hash are structural, over `key`."""
+    """Base of all nodes; equality and hash are structural, over `key`.
+
+    `span` and `swept` take no part in them.
+    """
 
     span: Span | None = field(default=None, repr=False, kw_only=True)
+    swept: Swept | None = field(default=None, repr=False, kw_only=True)
     _hash: int = field(default=0, init=False, repr=False, kw_only=True)
 
     def __post_init__(self) -> None:

@@ -1,1 +1,82 @@
+"""Rewrites from a checked mission's formulas to what the encoder takes; PIPELINE is their order."""
 
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
+
+from stlc.errors import UsageError
+from stlc.ir.printer import print_program
+from stlc.ir.rewrite import postorder
+from stlc.ir.verify import Stage, verify
+from stlc.passes import cse, flatten, fold, horizon, nnf, unroll
+from stlc.passes.base import Pass, Program
+
+__all__ = ["PIPELINE", "Pass", "PassStats", "Program", "run_pipeline"]
+
+
+def _again(earlier: Pass, name: str, *after: str) -> Pass:
+    return replace(earlier, name=name, after=after, stage=Stage.STEPS)
+
+
+PIPELINE: tuple[Pass, ...] = (
+    nnf.PASS,
+    fold.PASS,
+    flatten.PASS,
+    horizon.PASS,
+    cse.PASS,
+    unroll.PASS,
+    _again(fold.PASS, "fold-steps", "unroll"),
+    _again(flatten.PASS, "flatten-steps", "unroll"),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class PassStats:
+    """What one pass did: distinct nodes before and after, seconds."""
+
+    name: str
+    before: int
+    after: int
+    seconds: float
+
+
+def run_pipeline(
+    program: Program,
+    disabled: Collection[str] = (),
+    print_after: Collection[str] = (),
+    show: Callable[[str, str], None] = lambda name, text: None,
+) -> tuple[Program, tuple[PassStats, ...]]:
+    """Run every enabled pass in order, verifying after each.
+
+    `show(name, text)` receives the program after each pass that `print_after` names ("all" for
+    every one). UsageError for an unknown pass, or for a lowering in `disabled`.
+    """
+    _check_names(disabled, print_after)
+    stats: list[PassStats] = []
+    stage = Stage.ANY
+    for step in PIPELINE:
+        if step.name in disabled:
+            continue
+        began, before = time.perf_counter(), _size(program)
+        program, stage = step.run(program), max(stage, step.stage)
+        stats.append(PassStats(step.name, before, _size(program), time.perf_counter() - began))
+        verify(program.requirements, program.horizon, stage, step.name)
+        if step.name in print_after or "all" in print_after:
+            show(step.name, print_program(program.requirements, program.horizon))
+    return program, tuple(stats)
+
+
+def _size(program: Program) -> int:
+    return sum(1 for _ in postorder(program.formulas))
+
+
+def _check_names(disabled: Collection[str], print_after: Collection[str]) -> None:
+    known = [p.name for p in PIPELINE]
+    for name in [*disabled, *(p for p in print_after if p != "all")]:
+        if name not in known:
+            raise UsageError(f"there is no pass '{name}'; known: {', '.join(known)}")
+    for step in PIPELINE:
+        if step.lowering and step.name in disabled:
+            raise UsageError(f"the pass '{step.name}' is a lowering and cannot be switched off")

@@ -1,0 +1,245 @@
+"""Reads the text that `printer.py` writes: print and parse are inverse, spans excepted."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from stlc.errors import UsageError
+from stlc.ir.nodes import (
+    Always,
+    And,
+    Const,
+    Eventually,
+    Iff,
+    Implies,
+    Linear,
+    Link,
+    Node,
+    Not,
+    Or,
+    Quantity,
+    Relation,
+    Release,
+    Role,
+    Signal,
+    Timed,
+    Until,
+)
+from stlc.mission import Requirement
+
+_TOKEN = re.compile(
+    r'\s*(?:(?P<number>[-+]?(?:\d+\.?\d*(?:[eE][-+]?\d+)?|inf\b))|(?P<quoted>"[^"]*")'
+    r"|(?P<ref>%\d+)|(?P<relation>>=|<=)|(?P<word>[A-Za-z_]\w*)|(?P<mark>[\[\](),.:*+@=/^]))"
+)
+_UNIT = re.compile(r"\s*:\s*([^\]]+)\]")
+
+_NARY: dict[str, Callable[[tuple[Node, ...]], Node]] = {
+    "and": And,
+    "or": Or,
+    "timed": Timed,
+}
+_FIXED: dict[str, tuple[int, Callable[..., Node]]] = {
+    "not": (1, Not),
+    "implies": (2, Implies),
+    "iff": (2, Iff),
+    "always": (1, Always),
+    "eventually": (1, Eventually),
+    "until": (2, Until),
+    "release": (2, Release),
+}
+_TEMPORAL = frozenset({"always", "eventually", "until", "release"})
+
+
+def parse_program(text: str) -> tuple[tuple[Requirement, ...], int]:
+    """Requirements and horizon of a printed program; UsageError where the text is not one."""
+    horizon = 0
+    known: dict[str, Node] = {}
+    requirements: list[Requirement] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        reader = _Reader(line, number, known)
+        if reader.done():
+            continue
+        match reader.peek():
+            case "horizon":
+                reader.take("horizon")
+                horizon = int(reader.number())
+            case "require":
+                requirements.append(reader.requirement())
+            case name if name.startswith("%"):
+                reader.take(name)
+                reader.take("=")
+                known[name] = reader.node()
+            case other:
+                raise reader.error(f"expected a line of a program, not {other!r}")
+        reader.end()
+    return tuple(requirements), horizon
+
+
+def parse_node(text: str) -> Node:
+    """One printed formula, with the `%k = ...` lines before it."""
+    known: dict[str, Node] = {}
+    result: Node | None = None
+    for number, line in enumerate(text.splitlines(), 1):
+        reader = _Reader(line, number, known)
+        if reader.done():
+            continue
+        if re.match(r"\s*%\d+\s*=", line):
+            name = reader.pop()
+            reader.take("=")
+            known[name] = reader.node()
+        else:
+            result = reader.node()
+        reader.end()
+    if result is None:
+        raise UsageError("no formula in the text")
+    return result
+
+
+@dataclass(slots=True)
+class _Reader:
+    line: str
+    number_of_line: int
+    known: dict[str, Node]
+    place: int = 0
+    _ahead: str | None = field(default=None)
+
+    def error(self, message: str) -> UsageError:
+        return UsageError(f"line {self.number_of_line}, column {self.place + 1}: {message}")
+
+    def done(self) -> bool:
+        return not self.line[self.place :].strip()
+
+    def end(self) -> None:
+        if not self.done():
+            raise self.error("unexpected text after the end")
+
+    def peek(self) -> str:
+        found = _TOKEN.match(self.line, self.place)
+        if found is None:
+            raise self.error("unexpected end" if self.done() else "unexpected character")
+        return found.group(0).strip()
+
+    def pop(self) -> str:
+        token = self.peek()
+        found = _TOKEN.match(self.line, self.place)
+        assert found is not None
+        self.place = found.end()
+        return token
+
+    def take(self, wanted: str) -> None:
+        token = self.peek()
+        if token != wanted:
+            raise self.error(f"expected {wanted!r}, not {token!r}")
+        self.pop()
+
+    def skip(self, wanted: str) -> bool:
+        if self.done() or self.peek() != wanted:
+            return False
+        self.pop()
+        return True
+
+    def number(self) -> float:
+        token = self.pop()
+        try:
+            return float(token)
+        except ValueError:
+            raise self.error(f"expected a number, not {token!r}") from None
+
+    def name(self) -> str:
+        return self.pop().strip('"')
+
+    def requirement(self) -> Requirement:
+        self.take("require")
+        name = self.name()
+        self.take(">=")
+        margin = self.number()
+        self.take(":")
+        return Requirement(name, self.node(), margin)
+
+    def node(self) -> Node:
+        token = self.pop()
+        if token in ("true", "false"):
+            return Const(token == "true")
+        if token.startswith("%"):
+            if token not in self.known:
+                raise self.error(f"{token} is not defined above")
+            return self.known[token]
+        if token == "[":
+            return self.linear()
+        if token == "link":
+            return self.link()
+        if token in _NARY:
+            return _NARY[token](tuple(self.arguments()))
+        if token in _FIXED:
+            return self.fixed(token)
+        raise self.error(f"expected a formula, not {token!r}")
+
+    def arguments(self) -> list[Node]:
+        self.take("(")
+        found: list[Node] = []
+        while not self.skip(")"):
+            if found:
+                self.take(",")
+            found.append(self.node())
+        return found
+
+    def fixed(self, word: str) -> Node:
+        count, build = _FIXED[word]
+        window = self.window() if word in _TEMPORAL else ()
+        args = self.arguments()
+        if len(args) != count:
+            raise self.error(f"{word} takes {count} formulas, not {len(args)}")
+        return build(*args, *window)
+
+    def window(self) -> tuple[int, int | None]:
+        self.take("[")
+        start = int(self.number())
+        self.take(",")
+        end = self.number()
+        self.take("]")
+        return start, None if end == float("inf") else int(end)
+
+    def linear(self) -> Linear:
+        terms: list[tuple[Signal, float]] = []
+        value = self.number()
+        while self.skip("*"):
+            terms.append((self.signal(), value))
+            self.take("+")
+            value = self.number()
+        unit = _UNIT.match(self.line, self.place)
+        if unit is None:
+            self.take("]")
+            return Linear(tuple(terms), value)
+        self.place = unit.end()
+        return Linear(tuple(terms), value, unit.group(1).strip())
+
+    def signal(self) -> Signal:
+        owner = self.name()
+        self.take(".")
+        role = self.pop()
+        if role not in {r.value for r in Role}:
+            raise self.error(f"expected state, input or free, not {role!r}")
+        self.take(".")
+        index = int(self.number())
+        return Signal(owner, Role(role), index, self.shift())
+
+    def shift(self) -> int:
+        return int(self.number()) if self.skip("@") else 0
+
+    def link(self) -> Link:
+        self.take("(")
+        channel = self.name()
+        quantity = Quantity(self.name())
+        self.take("(")
+        sender = self.name()
+        self.take(",")
+        receiver = self.name()
+        self.take(")")
+        relation = Relation(self.pop())
+        threshold = self.number()
+        probability = self.number() if self.skip("p") else None
+        shift = self.shift()
+        self.take(")")
+        return Link(channel, quantity, sender, receiver, relation, threshold, probability, shift)

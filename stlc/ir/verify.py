@@ -1,0 +1,87 @@
+"""Checks a program's invariants after every pass; a broken one is our own bug.
+
+Stages grow stricter: ANY is what semantic analysis hands over, NNF has negation at chance links
+only, BOUNDED has no open interval, STEPS has no temporal operator left (every predicate carries
+its absolute step as a shift).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import IntEnum
+
+from stlc.ir.nodes import (
+    Always,
+    Eventually,
+    Iff,
+    Implies,
+    Linear,
+    Link,
+    Node,
+    Not,
+    Release,
+    Timed,
+    Until,
+)
+from stlc.ir.rewrite import postorder
+from stlc.mission import Requirement
+
+
+class Stage(IntEnum):
+    """What earlier passes have established."""
+
+    ANY = 0
+    NNF = 1
+    BOUNDED = 2
+    STEPS = 3
+
+
+class BrokenProgram(AssertionError):
+    """A pass broke an invariant."""
+
+
+def verify(requirements: Sequence[Requirement], horizon: int, stage: Stage, where: str) -> None:
+    """Raise BrokenProgram naming the pass `where` if an invariant of `stage` does not hold."""
+    for node in postorder(r.formula for r in requirements):
+        fault = _fault(node, horizon, stage)
+        if fault:
+            raise BrokenProgram(f"after {where}: {fault}")
+
+
+def _fault(node: Node, horizon: int, stage: Stage) -> str:
+    match node:
+        case Linear():
+            return _linear_fault(node, horizon)
+        case Link(shift=shift):
+            return "" if 0 <= shift <= horizon else f"link shift {shift} outside the horizon"
+        case Always() | Eventually() | Until() | Release():
+            return _temporal_fault(node, stage)
+        case Timed(cases=cases):
+            if not cases:
+                return "timed without a case"
+            return "timed after unrolling" if stage >= Stage.STEPS else ""
+        case Not(arg=arg):
+            bare = isinstance(arg, Link) and arg.probability is not None
+            return "" if bare or stage < Stage.NNF else "negation of a formula after nnf"
+        case Implies() | Iff():
+            return "" if stage < Stage.NNF else f"{type(node).__name__} after nnf"
+    return ""
+
+
+def _linear_fault(node: Linear, horizon: int) -> str:
+    keys = [signal.key for signal, _ in node.terms]
+    if keys != sorted(set(keys)):
+        return "terms of a predicate are not sorted or not distinct"
+    if any(value == 0 for _, value in node.terms):
+        return "a zero coefficient"
+    if any(not 0 <= signal.shift <= horizon for signal, _ in node.terms):
+        return "a signal outside the horizon"
+    return ""
+
+
+def _temporal_fault(node: Always | Eventually | Until | Release, stage: Stage) -> str:
+    if stage >= Stage.STEPS:
+        return f"{type(node).__name__} after unrolling"
+    if node.end is None:
+        return "an open interval after horizon" if stage >= Stage.BOUNDED else ""
+    return "" if 0 <= node.start <= node.end else f"interval [{node.start},{node.end}]"
