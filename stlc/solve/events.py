@@ -1,0 +1,87 @@
+"""What a long solve tells while it works: five kinds of events, as dataclasses and as NDJSON.
+
+The JSON schema is `events.schema.json` beside this file; each line of NDJSON is one event.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict, dataclass
+from typing import ClassVar, Protocol
+
+
+@dataclass(frozen=True, slots=True)
+class ProgressEvent:
+    """Where the solver stands. Seconds since the solve began; gap relative."""
+
+    event: ClassVar[str] = "progress"
+    seconds: float
+    objective: float | None
+    bound: float | None
+    gap: float | None
+    nodes: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class SolutionEvent:
+    """A better certified and verified plan is in hand; `path` is where it was saved, if it was."""
+
+    event: ClassVar[str] = "solution"
+    seconds: float
+    objective: float
+    path: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class StatusEvent:
+    """A stage began or ended: compile, solve, certify, verify, done."""
+
+    event: ClassVar[str] = "status"
+    stage: str
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class StatisticsEvent:
+    """Size of the model."""
+
+    event: ClassVar[str] = "statistics"
+    columns: int
+    binaries: int
+    rows: int
+    nonzeros: int
+    encoding: str
+
+
+@dataclass(frozen=True, slots=True)
+class DiagnosticEvent:
+    """Something a person should know: an ignored option, a risky big-M."""
+
+    event: ClassVar[str] = "diagnostic"
+    severity: str
+    message: str
+
+
+Event = ProgressEvent | SolutionEvent | StatusEvent | StatisticsEvent | DiagnosticEvent
+
+
+class Listener(Protocol):
+    """Takes events as they come."""
+
+    def __call__(self, event: Event, /) -> None:
+        """Called in the thread that called `solve`."""
+
+
+def ignore(event: Event, /) -> None:
+    """The listener that says nothing."""
+
+
+def to_ndjson(event: Event) -> str:
+    """One line of JSON without its line end; non-finite numbers are null."""
+    fields = {k: _plain(v) for k, v in asdict(event).items()}
+    return json.dumps({"event": event.event, **fields}, allow_nan=False)
+
+
+def _plain(value: object) -> object:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
