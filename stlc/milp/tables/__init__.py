@@ -1,0 +1,89 @@
+"""Link tables in the MILP: costs, values and thresholds between cells of two radios."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stlc.milp.context import Affine, Context
+from stlc.milp.tables.encoding import Encoding, Size
+from stlc.milp.tables.errors import TableError
+from stlc.milp.tables.link import ends_of
+from stlc.milp.tables.registry import ENCODINGS, Choice, choose
+from stlc.milp.tables.threshold import literal
+
+if TYPE_CHECKING:
+    from stlc.mission import Channel
+
+__all__ = [
+    "ENCODINGS",
+    "Choice",
+    "Encoding",
+    "Size",
+    "TableError",
+    "add_link_cost",
+    "choose",
+    "link_literal",
+    "link_value",
+]
+
+
+def add_link_cost(
+    ctx: Context,
+    channel: Channel,
+    pair: tuple[str, str],
+    table: ArrayLike,
+    steps: Sequence[int],
+    weight: float,
+    encoding: str = "auto",
+) -> Choice:
+    """Add weight * sum over steps of table[cell(a), cell(b)] to the objective.
+
+    table (n, n) over the channel's cells for two agents, (n,) for an agent and a station, () for
+    two stations. Returns the encoding taken and why. Raises TableError for a table that doesn't
+    fit, UsageError for an unknown encoding.
+    """
+    ends = ends_of(ctx, channel.partition, pair)
+    values = weight * ends.table(table)
+    links = [ends.at(step) for step in steps]
+    choice = choose(ctx, links, encoding)
+    for link in links:
+        cost = choice.encoding.below(ctx, link, values)
+        ctx.builder.add_cost(cost.cols, cost.values)
+        ctx.builder.offset += cost.constant
+    return choice
+
+
+def link_value(
+    ctx: Context,
+    channel: Channel,
+    pair: tuple[str, str],
+    values: ArrayLike,
+    step: int,
+    encoding: str = "auto",
+) -> Affine:
+    """The table's value at a step as an expression, exact at integer points from both sides.
+
+    Arguments and errors as in `add_link_cost`.
+    """
+    ends = ends_of(ctx, channel.partition, pair)
+    link = ends.at(step)
+    return choose(ctx, [link], encoding).encoding.value(ctx, link, ends.table(values))
+
+
+def link_literal(
+    ctx: Context,
+    channel: Channel,
+    pair: tuple[str, str],
+    allowed: ArrayLike,
+    step: int,
+) -> int:
+    """Column z in {0, 1}: z = 1 puts the radios into cells (c_a, c_b) with allowed[c_a, c_b].
+
+    allowed as the table of `add_link_cost`, true where the predicate holds. z = 0 says nothing.
+    """
+    ends = ends_of(ctx, channel.partition, pair)
+    return literal(ctx, ends.at(step), ends.table(np.asarray(allowed)) > 0.5)

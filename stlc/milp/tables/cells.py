@@ -1,0 +1,218 @@
+"""Columns that say in which cell an agent is at a step, shared by everything that asks.
+
+All pairs of an agent, link costs and threshold predicates alike, use one set of columns for each
+(partition, agent, step, kind). Cells are closed: on a border the columns may choose either side,
+so a minimisation takes the cheapest. The choice is one for each agent, step and kind of columns.
+
+Position and indicators s over intervals [lo_i, hi_i]:
+
+    sum_i lo_i s_i <= p <= sum_i hi_i s_i                                       (2 rows an axis)
+
+Sizes for m_x by m_y intervals in reach, k cells, B(m) = ceil(log2 m):
+
+ordered, grid     (m_x - 1) + (m_y - 1) binaries; rows 4 + max(0, m_x - 2) + max(0, m_y - 2)
+ordered, boxes    the same binaries and k columns; rows 5 + the ordering rows + the index rows
+one-hot           k binaries; rows 5
+gray, grid        m_x + m_y columns and B(m_x) + B(m_y) binaries; rows 6 + B(m_x) + B(m_y)
+gray, boxes       k columns and B(k) binaries; rows 5 + B(k)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stlc.milp.context import Context
+from stlc.milp.model import Floats, Ints
+from stlc.milp.tables.simplex import (
+    Kind,
+    Simplex,
+    gray,
+    join,
+    of_columns,
+    of_ordered,
+    one_hot,
+    ordered,
+)
+from stlc.milp.tables.spans import Reach, Spans, reach
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Group:
+    """A marginal: cells (k,) labelled by which indicator they add up to."""
+
+    labels: Ints
+    simplex: Simplex
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """An agent at a step, on a partition."""
+
+    spans: Spans
+    agent: str
+    step: int
+
+    def reach(self, ctx: Context) -> Reach:
+        """The cells it can be in."""
+        return reach(ctx, self.spans, self.agent, self.step)
+
+    def key(self, what: str) -> tuple[object, ...]:
+        """Memo key of something made for this place."""
+        return ("tables", what, self.spans.key, self.agent, self.step)
+
+    def name(self, what: str) -> str:
+        """Name of a block made for this place."""
+        return f"{what}_{self.agent}_{self.step}"
+
+
+def marginals(ctx: Context, place: Place, kind: Kind) -> tuple[Group, ...]:
+    """Indicators that fix the cell: two groups (x and y) on a grid, else one of all cells."""
+    key = place.key(f"marginals.{kind.value}")
+    if key not in ctx.memo:
+        ctx.memo[key] = _marginals(ctx, place, kind)
+    found: tuple[Group, ...] = ctx.memo[key]
+    return found
+
+
+def _marginals(ctx: Context, place: Place, kind: Kind) -> tuple[Group, ...]:
+    region = place.reach(ctx)
+    everything = np.arange(len(region.cells))
+    if kind is Kind.ORDERED:
+        axes = ordered_axes(ctx, place)
+        if region.unit:
+            return _axis_groups(region, [of_ordered(a) for a in axes])
+        return (Group(everything, of_columns(_box_weights(ctx, place))),)
+    make = one_hot if kind is Kind.ONE_HOT else gray
+    if kind is Kind.ONE_HOT or not region.unit:
+        cells = make(ctx.builder, place.name(f"cell_{kind.value[:4].strip('-')}"), len(everything))
+        for axis in range(2):
+            _pin(ctx, place, axis, cells, region.low[:, axis], region.high[:, axis])
+        return (Group(everything, cells),)
+    axes_gray = []
+    for axis, size in enumerate(region.shape):
+        simplex = make(ctx.builder, place.name(f"{'xy'[axis]}_gray"), size)
+        _pin(ctx, place, axis, simplex, region.edges[axis][:-1], region.edges[axis][1:])
+        axes_gray.append(simplex)
+    return _axis_groups(region, axes_gray)
+
+
+def _axis_groups(region: Reach, simplices: Sequence[Simplex]) -> tuple[Group, ...]:
+    return tuple(Group(region.spans[:, 2 * k], s) for k, s in enumerate(simplices))
+
+
+def ordered_axes(ctx: Context, place: Place) -> tuple[Ints, Ints]:
+    """Ordered binaries along x and y, b_k = 1: beyond interval k; tied to the position."""
+    key = place.key("axes")
+    if key not in ctx.memo:
+        region = place.reach(ctx)
+        axes = tuple(
+            ordered(ctx.builder, place.name(f"{'xy'[k]}_beyond"), region.shape[k]) for k in range(2)
+        )
+        ctx.memo[key] = axes
+        if region.unit:
+            _pin_axes(ctx, place, region, axes)
+        else:
+            _box_weights(ctx, place)
+    found: tuple[Ints, Ints] = ctx.memo[key]
+    return found
+
+
+def _pin_axes(ctx: Context, place: Place, region: Reach, axes: Sequence[Ints]) -> None:
+    for axis, cols in enumerate(axes):
+        edges = region.edges[axis]
+        _pin(ctx, place, axis, of_ordered(cols), edges[:-1], edges[1:])
+
+
+def _box_weights(ctx: Context, place: Place) -> Ints:
+    """Continuous cell columns (k,) that ordered axis binaries force to 0 or 1 (quadtrees)."""
+    key = place.key("weights")
+    if key not in ctx.memo:
+        region = place.reach(ctx)
+        cols = ctx.builder.add_columns(place.name("cell"), (len(region.cells),), 0.0, 1.0)
+        ctx.memo[key] = cols
+        ctx.builder.add_dense_rows(place.name("cell_one"), cols, 1.0, 1.0, 1.0)
+        join_boxes(ctx, place.name("cell_span"), cols, region.spans, ordered_axes(ctx, place))
+        for axis in range(2):
+            simplex = of_columns(cols)
+            _pin(ctx, place, axis, simplex, region.low[:, axis], region.high[:, axis])
+    found: Ints = ctx.memo[key]
+    return found
+
+
+def join_boxes(ctx: Context, name: str, cols: Ints, boxes: Ints, axes: Sequence[Ints]) -> None:
+    """Tie columns y >= 0 with sum y <= 1 to the index boxes they stand for.
+
+    boxes (K, 2 d): first and last interval on each of d axes; axes: d arrays of ordered binaries.
+    For every axis and every i that is some box's last interval, or the one before its first:
+
+        sum {y_k : first_k > i} <= b_i          sum {y_k : last_k <= i} <= 1 - b_i
+
+    At integer b only boxes that contain the point keep y > 0. Rows for other i are implied by
+    the order of b, so their number is bounded by twice the binaries whatever K is.
+    """
+    for axis, binaries in enumerate(axes):
+        first, last = boxes[:, 2 * axis], boxes[:, 2 * axis + 1]
+        starts = np.unique(first[first > 0]) - 1
+        ends = np.unique(last[last < len(binaries)])
+        _box_rows(ctx, f"{name}_from", cols, first[None, :] > starts[:, None], binaries[starts])
+        _box_rows(ctx, f"{name}_to", cols, last[None, :] <= ends[:, None], binaries[ends], 1.0)
+
+
+def _box_rows(
+    ctx: Context, name: str, cols: Ints, mask: np.ndarray, binaries: Ints, upper: float = 0.0
+) -> None:
+    """Rows: sum of the masked columns -+ b <= upper."""
+    if not len(binaries):
+        return
+    rows, members = np.nonzero(mask)
+    count = len(binaries)
+    sign = 1.0 if upper else -1.0
+    ctx.builder.add_rows(
+        name,
+        np.concatenate([rows, np.arange(count)]),
+        np.concatenate([cols[members], binaries]),
+        np.concatenate([np.ones(len(rows)), np.full(count, sign)]),
+        -np.inf,
+        upper,
+        count=count,
+    )
+
+
+def _pin(
+    ctx: Context, place: Place, axis: int, simplex: Simplex, low: Floats, high: Floats
+) -> None:
+    """sum low_i s_i <= p <= sum high_i s_i along one axis."""
+    position = ctx.position(place.agent, place.step, axis)
+    parts = [simplex.weighted(low), simplex.weighted(high)]
+    sizes = [len(position.cols) + len(p[0]) for p in parts]
+    ctx.builder.add_rows(
+        place.name(f"{'xy'[axis]}_cell"),
+        np.repeat([0, 1], sizes),
+        np.concatenate([position.cols, parts[0][0], position.cols, parts[1][0]]),
+        np.concatenate([position.values, -parts[0][1], position.values, -parts[1][1]]),
+        [parts[0][2] - position.constant, -np.inf],
+        [np.inf, parts[1][2] - position.constant],
+        count=2,
+    )
+
+
+def cell_columns(ctx: Context, place: Place, kind: Kind) -> Ints:
+    """One column (k,) for each cell in reach: 1 iff the agent counts as being there (memoised).
+
+    On a grid k continuous columns joined to both axes (rows m_x + m_y); else the cells' own.
+    """
+    key = place.key(f"columns.{kind.value}")
+    if key in ctx.memo:
+        return np.asarray(ctx.memo[key])
+    groups = marginals(ctx, place, kind)
+    if len(groups) == 1:
+        cols = groups[0].simplex.cols[:, 0]
+    else:
+        cols = ctx.builder.add_columns(place.name("cell"), (len(groups[0].labels),), 0.0, 1.0)
+        for axis, group in zip("xy", groups, strict=True):
+            join(ctx.builder, place.name(f"cell_{axis}"), group.labels, cols, group.simplex)
+    ctx.memo[key] = cols
+    return cols
