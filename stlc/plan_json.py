@@ -1,0 +1,264 @@
+"""Plans as JSON. Numbers round-trip exactly; infinite robustness is "inf" or "-inf", NaN null."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.errors import UsageError
+from stlc.plan import FORMAT_VERSION, LinkSeries, Plan, RequirementValue, Run, SolveInfo
+
+Array = NDArray[np.float64]
+
+MOST_BYTES = 1 << 30
+
+
+def to_json(plan: Plan) -> str:
+    """The plan as one JSON object with a line for each row of numbers."""
+    return _layout(
+        {
+            "format": "stlc plan",
+            "version": FORMAT_VERSION,
+            "mission": plan.mission,
+            "sha256": plan.sha256,
+            "step": plan.step,
+            "horizon": plan.horizon,
+            "solve": _plain(asdict(plan.solve)),
+            "requirements": [
+                {"name": r.name, "robustness": _number(r.robustness), "margin": r.margin}
+                for r in plan.requirements
+            ],
+            "agents": {name: _run(run) for name, run in plan.runs.items()},
+            "links": [_link(series) for series in plan.links],
+            "certificate": _plain(plan.certificate),
+        }
+    )
+
+
+def _run(run: Run) -> dict[str, Any]:
+    return {
+        "state_names": list(run.state_names),
+        "state_units": list(run.state_units),
+        "input_names": list(run.input_names),
+        "input_units": list(run.input_units),
+        "states": run.states.tolist(),
+        "inputs": run.inputs.tolist(),
+    }
+
+
+def _link(series: LinkSeries) -> dict[str, Any]:
+    values = {k: [_number(x) for x in v.tolist()] for k, v in series.values.items()}
+    pair = [series.sender, series.receiver]
+    return {"channel": series.channel, "pair": pair, "values": values}
+
+
+def _number(value: Any) -> Any:
+    if not isinstance(value, float) or math.isfinite(value):
+        return value
+    return None if math.isnan(value) else str(value)
+
+
+def _plain(value: Any) -> Any:
+    match value:
+        case Mapping():
+            return {str(k): _plain(v) for k, v in value.items()}
+        case list() | tuple():
+            return [_plain(v) for v in value]
+        case np.generic():
+            return _number(value.item())
+        case _:
+            return _number(value)
+
+
+def _layout(value: Any, indent: str = "") -> str:
+    """Indented JSON whose lists of plain values stay on one line."""
+    inner = indent + "  "
+    if isinstance(value, dict) and value:
+        items = [f"{inner}{json.dumps(k)}: {_layout(v, inner)}" for k, v in value.items()]
+        body, ends = ",\n".join(items), "{}"
+    elif isinstance(value, list) and any(isinstance(v, list | dict) for v in value):
+        body, ends = ",\n".join(inner + _layout(v, inner) for v in value), "[]"
+    else:
+        return json.dumps(value, allow_nan=False)
+    last = "" if indent else "\n"
+    return f"{ends[0]}\n{body}\n{indent}{ends[1]}{last}"
+
+
+def read(path: str | os.PathLike[str]) -> Plan:
+    """Read a plan file. Raises UsageError, with the place, when it isn't one."""
+    name = os.fspath(path)
+    try:
+        if Path(path).stat().st_size > MOST_BYTES:
+            raise UsageError(f"{name}: a plan file is never larger than {MOST_BYTES >> 20} MB")
+        data = Path(path).read_bytes()
+    except FileNotFoundError:
+        raise UsageError(f"{name}: there is no such file") from None
+    except OSError as error:
+        raise UsageError(f"{name}: cannot read it: {error.strerror}") from None
+    return parse(data, name)
+
+
+def parse(data: bytes | str, name: str = "plan") -> Plan:
+    """A plan from JSON text. Raises UsageError, with the place, when it isn't one."""
+    try:
+        value = json.loads(data, parse_constant=_refuse_constant)
+    except UnicodeDecodeError:
+        raise UsageError(f"{name}: not a plan: the file is not UTF-8 text") from None
+    except json.JSONDecodeError as error:
+        where = f"{name}:{error.lineno}:{error.colno}"
+        raise UsageError(f"{where}: not a plan: {error.msg.lower()}") from None
+    except (ValueError, RecursionError) as error:
+        raise UsageError(f"{name}: not a plan: {error}") from None
+    return _plan(_Place(name, "", value))
+
+
+def _refuse_constant(word: str) -> float:
+    raise ValueError(f"{word} is no number of JSON")
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """A JSON value and where it stands, for messages."""
+
+    file: str
+    path: str
+    value: Any
+
+    def fail(self, wanted: str) -> UsageError:
+        where = f" at {self.path.lstrip('.')}" if self.path else ""
+        return UsageError(f"{self.file}: not a valid plan{where}: expected {wanted}")
+
+    def has(self, key: str) -> bool:
+        return isinstance(self.value, dict) and key in self.value
+
+    def __getitem__(self, key: str) -> _Place:
+        if not isinstance(self.value, dict):
+            raise self.fail("an object")
+        if key not in self.value:
+            raise self.fail(f"a field {key!r}")
+        return _Place(self.file, f"{self.path}.{key}", self.value[key])
+
+    def fields(self) -> dict[str, _Place]:
+        if not isinstance(self.value, dict):
+            raise self.fail("an object")
+        return {key: self[key] for key in self.value}
+
+    def items(self) -> list[_Place]:
+        if not isinstance(self.value, list):
+            raise self.fail("a list")
+        return [_Place(self.file, f"{self.path}[{i}]", v) for i, v in enumerate(self.value)]
+
+    def text(self) -> str:
+        if not isinstance(self.value, str):
+            raise self.fail("a text")
+        return self.value
+
+    def texts(self) -> tuple[str, ...]:
+        return tuple(item.text() for item in self.items())
+
+    def number(self) -> float:
+        """A finite number."""
+        value = self.value
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise self.fail("a number")
+        if abs(value) > sys.float_info.max:
+            raise self.fail("a finite number")
+        return float(value)
+
+    def optional(self) -> float | None:
+        """A number, "inf", "-inf" or null."""
+        if self.value is None:
+            return None
+        return float(self.value) if self.value in ("inf", "-inf") else self.number()
+
+    def array(self, rows: int, columns: int) -> Array:
+        """Finite numbers (rows, columns)."""
+        lines = self.items()
+        if len(lines) != rows:
+            raise self.fail(f"{rows} rows, not {len(lines)}")
+        out = np.empty((rows, columns))
+        for i, line in enumerate(lines):
+            cells = line.items()
+            if len(cells) != columns:
+                raise line.fail(f"{columns} numbers, not {len(cells)}")
+            out[i] = [cell.number() for cell in cells]
+        return out
+
+
+def _plan(top: _Place) -> Plan:
+    if not top.has("format") or top["format"].value != "stlc plan":
+        raise top.fail('an object with "format": "stlc plan"')
+    version = top["version"]
+    if version.value != FORMAT_VERSION:
+        raise version.fail(f"version {FORMAT_VERSION}, which is all that this stlc reads")
+    step, horizon = top["step"], top["horizon"]
+    if step.number() <= 0:
+        raise step.fail("a number of seconds above 0")
+    if horizon.number() < 0 or not isinstance(horizon.value, int):
+        raise horizon.fail("a whole number of steps")
+    length = int(horizon.value)
+    return Plan(
+        top["mission"].text(),
+        top["sha256"].text(),
+        step.number(),
+        length,
+        {name: _read_run(place, length) for name, place in top["agents"].fields().items()},
+        _read_solve(top["solve"]),
+        tuple(_read_requirement(p) for p in top["requirements"].items()),
+        tuple(_read_link(p, length) for p in top["links"].items()),
+        {k: p.value for k, p in top["certificate"].fields().items()},
+    )
+
+
+def _read_run(place: _Place, horizon: int) -> Run:
+    states, inputs = place["state_names"].texts(), place["input_names"].texts()
+    units = place["state_units"].texts(), place["input_units"].texts()
+    for names, of, key in ((states, units[0], "state_units"), (inputs, units[1], "input_units")):
+        if len(names) != len(of):
+            raise place[key].fail(f"{len(names)} units, one for each name")
+    return Run(
+        place["states"].array(horizon + 1, len(states)),
+        place["inputs"].array(horizon, len(inputs)),
+        states,
+        inputs,
+        *units,
+    )
+
+
+def _read_solve(place: _Place) -> SolveInfo:
+    words = {k: place[k].text() for k in ("status", "backend", "solver", "encoding")}
+    figures = {k: place[k].optional() for k in ("objective", "bound", "gap")}
+    seconds = {k: p.number() for k, p in place["seconds"].fields().items()}
+    return SolveInfo(
+        words["status"], figures["objective"], figures["bound"], figures["gap"],
+        words["backend"], words["solver"], words["encoding"], seconds,
+    )  # fmt: skip
+
+
+def _read_requirement(place: _Place) -> RequirementValue:
+    value = place["robustness"].optional()
+    return RequirementValue(place["name"].text(), value, place["margin"].number())
+
+
+def _read_link(place: _Place, horizon: int) -> LinkSeries:
+    pair = place["pair"].texts()
+    if len(pair) != 2:
+        raise place["pair"].fail("two names")
+    values = {key: _series(p, horizon) for key, p in place["values"].fields().items()}
+    return LinkSeries(place["channel"].text(), pair[0], pair[1], values)
+
+
+def _series(place: _Place, horizon: int) -> Array:
+    cells = [item.optional() for item in place.items()]
+    if len(cells) != horizon + 1:
+        raise place.fail(f"{horizon + 1} numbers, not {len(cells)}")
+    return np.array([math.nan if c is None else c for c in cells])
