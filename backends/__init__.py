@@ -16,6 +16,12 @@ from stlc.errors import SolverError
 
 _BUILT_IN = {
     "highs": "highs:Highs",
+    "mip": "python_mip:PythonMip",
+    "pulp": "pulp_cbc:PulpCbc",
+    "cvxpy": "cvxpy_highs:Cvxpy",
+    "scipy": "scipy_milp:ScipyMilp",
+    "scip": "scip:Scip",
+    "gurobi": "gurobi:Gurobi",
 }
 
 

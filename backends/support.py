@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import importlib.util
+import os
+import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from queue import Empty, SimpleQueue
 
@@ -58,20 +61,28 @@ def ignored(backend: Backend, options: SolveOptions) -> tuple[str, ...]:
 
 
 def trivial(backend: Backend, model: Model, options: SolveOptions) -> Solution | None:
-    """The answer of a model without columns (solvers disagree on it), else None."""
-    if model.columns:
+    """The answer of a model without rows or without columns (CBC crashes on them), else None."""
+    if model.columns and model.rows:
         return None
-    holds = bool(np.all((model.row_lower <= 0) & (model.row_upper >= 0)))
+    lower, upper = model.col_lower, model.col_upper
+    if model.integrality.any():
+        lower = np.where(model.integrality, np.ceil(lower), lower)
+        upper = np.where(model.integrality, np.floor(upper), upper)
+    holds = np.all((model.row_lower <= 0) & (model.row_upper >= 0)) and np.all(lower <= upper)
+    cheap = np.where(model.c > 0, lower, np.where(model.c < 0, upper, np.clip(0.0, lower, upper)))
     answer = Solution(
-        Status.OPTIMAL if holds else Status.INFEASIBLE,
+        Status.INFEASIBLE,
         solver=backend.name,
         solver_version=backend.version(),
         ignored=ignored(backend, options),
-        message="the model has no columns",
+        message="the model has no rows" if model.columns else "the model has no columns",
     )
     if not holds:
         return answer
-    return replace(answer, x=np.empty(0), objective=model.offset, bound=model.offset)
+    if not np.all(np.isfinite(cheap)):
+        return replace(answer, status=Status.UNBOUNDED)
+    value = model.objective(cheap)
+    return replace(answer, status=Status.OPTIMAL, x=cheap, objective=value, bound=value)
 
 
 def infeasible_or_unbounded(backend: Backend, model: Model, options: SolveOptions) -> Status:
@@ -92,6 +103,28 @@ def finite(value: float | None) -> float | None:
     if value is None or not np.isfinite(value) or abs(value) >= 1e20:
         return None
     return float(value)
+
+
+def claimed_bound(status: Status, objective: float | None, options: SolveOptions) -> float | None:
+    """The bound that 'optimal within the gap' amounts to, for solvers that report none."""
+    if status is not Status.OPTIMAL or objective is None:
+        return None
+    return objective - options.gap * abs(objective)
+
+
+@contextmanager
+def silence() -> Iterator[None]:
+    """Send what C code prints on standard output to nowhere (CBC prints at log level 0 too)."""
+    sys.stdout.flush()
+    kept = os.dup(1)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 1)
+        yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(nowhere)
 
 
 def point(values: object, columns: int, solver: str) -> Floats:

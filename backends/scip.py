@@ -1,0 +1,162 @@
+"""SCIP by pyscipopt. It reads our own MPS: five times faster than building expressions."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from stlc.backends.base import Capability, Floats, Progress, Solution, SolveOptions, Status
+from stlc.backends.support import (
+    Worker,
+    finite,
+    ignored,
+    infeasible_or_unbounded,
+    missing,
+    require,
+    trivial,
+)
+from stlc.errors import SolverError
+from stlc.milp.model import Model
+from stlc.milp.writers.mps import mps_bytes
+from stlc.milp.writers.names import plain_names
+
+
+@dataclass(frozen=True, slots=True)
+class Scip:
+    """SCIP 10; it has returned points off integrality as 'optimal', so certify them."""
+
+    name: ClassVar[str] = "scip"
+    capabilities: ClassVar[Capability] = ~Capability.NONE
+
+    def available(self) -> str | None:
+        """None when pyscipopt can be imported."""
+        return missing("pyscipopt", "'stlc[scip]'")
+
+    def version(self) -> str:
+        """Such as 'SCIP 10.0.2 (PySCIPOpt 6.3.0)'."""
+        from importlib.metadata import version
+
+        scip = _scip().Model()
+        numbers = f"{scip.getMajorVersion()}.{scip.getMinorVersion()}.{scip.getTechVersion()}"
+        return f"SCIP {numbers} (PySCIPOpt {version('pyscipopt')})"
+
+    def solve(self, model: Model, options: SolveOptions) -> Solution:
+        """Minimise. `extra` are SCIP's parameters; SolverError for unknown ones."""
+        require(self)
+        if (answer := trivial(self, model, options)) is not None:
+            return answer
+        began = time.perf_counter()
+        scip = _loaded(model)
+        columns = _columns(scip, model)
+        _configure(scip, options)
+        if options.start is not None:
+            _start(scip, columns, options.start)
+        worker = Worker(options)
+        _listen(scip, columns, worker)
+        worker.run(scip.optimizeNogil, scip.interruptSolve)
+        status = _status(scip)
+        if status is None:
+            status = infeasible_or_unbounded(self, model, options)
+        has_point = status in (Status.OPTIMAL, Status.FEASIBLE)
+        bound = finite(scip.getDualbound())
+        return Solution(
+            status,
+            _point(scip, columns, scip.getBestSol()) if has_point else None,
+            scip.getSolObjVal(scip.getBestSol()) if has_point else None,
+            bound if has_point or status is Status.NO_SOLUTION else None,
+            int(scip.getNTotalNodes()),
+            time.perf_counter() - began,
+            self.name,
+            self.version(),
+            ignored(self, options),
+            str(scip.getStatus()),
+        )
+
+
+def _scip() -> Any:
+    import pyscipopt
+
+    return pyscipopt
+
+
+def _loaded(model: Model) -> Any:
+    scip = _scip().Model()
+    scip.hideOutput()
+    with tempfile.TemporaryDirectory(prefix="stlc-") as folder:
+        path = Path(folder) / "model.mps"
+        path.write_bytes(mps_bytes(model, *plain_names(model)))
+        scip.readProblem(str(path))
+    return scip
+
+
+def _columns(scip: Any, model: Model) -> list[Any]:
+    """SCIP's variables in our order (the column of the constant, if any, is left out)."""
+    by_name = {v.name: v for v in scip.getVars()}
+    return [by_name[name] for name in plain_names(model)[0]]
+
+
+def _configure(scip: Any, options: SolveOptions) -> None:
+    values: dict[str, object] = {"limits/gap": options.gap}
+    if options.time_limit is not None:
+        values["limits/time"] = float(options.time_limit)
+    if options.threads is not None:
+        values["lp/threads"] = options.threads
+    if options.seed is not None:
+        values["randomization/randomseedshift"] = options.seed
+    for key, value in (values | options.extra).items():
+        try:
+            scip.setParam(key, value)
+        except (KeyError, ValueError, TypeError, LookupError) as error:
+            raise SolverError(f"SCIP refuses the parameter {key} = {value!r}: {error}") from error
+
+
+def _start(scip: Any, columns: list[Any], start: Floats) -> None:
+    solution = scip.createSol()
+    for variable, value in zip(columns, start.tolist(), strict=True):
+        scip.setSolVal(solution, variable, value)
+    scip.addSol(solution)
+
+
+def _listen(scip: Any, columns: list[Any], worker: Worker) -> None:
+    if worker.options.on_progress is None:
+        return
+
+    def found(scip: Any, event: Any) -> None:
+        best = scip.getBestSol()
+        worker.report(
+            Progress(
+                scip.getSolvingTime(),
+                finite(scip.getSolObjVal(best)),
+                finite(scip.getDualbound()),
+                int(scip.getNTotalNodes()),
+                _point(scip, columns, best),
+            )
+        )
+
+    scip.attachEventHandlerCallback(found, [_scip().SCIP_EVENTTYPE.BESTSOLFOUND])
+
+
+def _point(scip: Any, columns: list[Any], solution: Any) -> Floats:
+    return np.array([scip.getSolVal(solution, v) for v in columns], dtype=float)
+
+
+def _status(scip: Any) -> Status | None:
+    """None when SCIP cannot tell infeasible from unbounded."""
+    match scip.getStatus():
+        case "optimal" | "gaplimit":
+            return Status.OPTIMAL
+        case "infeasible":
+            return Status.INFEASIBLE
+        case "unbounded":
+            return Status.UNBOUNDED
+        case "inforunbd":
+            return None
+        case str(claim) if claim.endswith("limit") or claim == "userinterrupt":
+            return Status.FEASIBLE if scip.getNSols() else Status.NO_SOLUTION
+        case _:
+            return Status.FAILED
