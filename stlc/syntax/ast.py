@@ -270,11 +270,16 @@ class Union(Shape):
 
 @dataclass(frozen=True, slots=True)
 class Property:
-    """One line of a block: a key, then its words and values as written.
+    """One property of a block: a key, then its words and values as written.
 
-    `L0 = -12.89 dBm` has key `L0`, `args` the value; `control |u| <= 1` has key `control` and the
-    comparison; `turn_rate on` has the name `on`; `partition 10 x 10` two numbers joined by `x`
-    (an `Arithmetic`-free tuple); `n = 3` likewise. `assigned` tells `key = value` from `key value`.
+    `L0 = -12.89 dBm` and `n = 3` have `args` of one value and are `assigned`. `control |u| <= 1`
+    has key `control` and the comparison; `speed <= 2` has key `speed` and the comparison with
+    `Name("speed")` as first operand (`speed in [0, 2]` the membership likewise). `turn_rate on` has
+    the name `on`; `partition 10 x 10` the two numbers, `box [0, 1] x [0, 2]` the name and two
+    lists; `start (1, 1)` a tuple; `turn_rate` alone no `args`. A block is flat: in
+    `path_loss L0 = -12.89 dBm, n = 3` there are three properties, `path_loss` without `args`, `L0`
+    and `n`. In a block a bracket that follows a word after a blank starts a value of its own
+    (`start (1, 1)`), without a blank it is a call or an index (`bound max(1, 2)`).
     """
 
     key: Ident

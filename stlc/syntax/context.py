@@ -1,0 +1,396 @@
+"""Gives the tokens of one statement their terminals, by their neighbours.
+
+Words are names unless they stand where an operator stands: `G` is the operator before `[` or an
+operand, and a signal before a comparison, an arithmetic operator, `.`, `,`, `)` or the end.
+Brackets know what they open: a call, an index, an interval, a tuple or a list; a bar opens an
+absolute value where an operand is due and closes it otherwise.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Final
+
+from stlc.grammar import tables
+from stlc.syntax.split import statement_words
+from stlc.syntax.tokens import NAME, NEWLINE, NUMBER, STRING, SYMBOL, Token
+
+UNARY: Final = frozenset({"ALWAYS", "EVENTUALLY", "NEXT", "NOT"})
+TEMPORAL: Final = frozenset({"ALWAYS", "EVENTUALLY", "NEXT", "UNTIL", "RELEASE"})
+BINARY: Final = frozenset(
+    {"UNTIL", "RELEASE", "AND", "OR", "IMPLIES", "IFF", "IN", "OUTSIDE", "SWEPT"}
+)
+QUANTIFIERS: Final = frozenset({"FORALL", "EXISTS", "SUM"})
+SHAPED: Final = frozenset({"ST_WORKSPACE", "ST_REGION", "ST_OBSTACLE"})
+_NAMED: Final = frozenset(
+    "ST_PARAM ST_DYNAMICS ST_AGENT ST_STATION ST_REGION ST_OBSTACLE ST_CHANNEL ST_LET".split()
+)
+# Symbols after which a word in front of them was a name, not an operator.
+_NAME_BEFORE: Final = frozenset(
+    {"LE", "LT", "GE", "GT", "EQEQ", "NE", "PLUS", "STAR", "SLASH", "CARET", "EQ", "COLON",
+     "COMMA", "DOT", "DOTS", "RPAR", "RSQB", "LBRACE", "RBRACE", "SEP", "AND", "OR", "IMPLIES", "IFF"}
+)  # fmt: skip
+_NOTHING: Final = Token("$END", "", 0, 0)
+
+
+@cache
+def symbol_terminals() -> dict[str, str]:
+    """Terminal of each symbol; brackets and bars are refined by their place."""
+    special = {"CALL", "INDEX", "IVL", "ABS_OPEN", "ABS_CLOSE"}
+    return {
+        word: name
+        for name, words in tables().spellings.items()
+        if name not in special
+        for word in words
+        if not word[0].isalpha()
+    }
+
+
+@cache
+def word_terminals() -> dict[str, str]:
+    """Terminal of each word that can be an operator within an expression."""
+    kinds = UNARY | BINARY | QUANTIFIERS | {"TRUE", "FALSE"}
+    return {
+        word: kind for kind in kinds for word in tables().spellings[kind] if word[0].isalpha()
+    }
+
+
+def classify(tokens: list[Token]) -> list[Token]:
+    """Tokens of one statement with the grammar's terminals as kinds.
+
+    The first token is a statement keyword, or the text is an expression by itself.
+    """
+    return _Context(tokens).run()
+
+
+class _Context:
+    """One walk over a statement. `frames` are the open brackets, bars included."""
+
+    __slots__ = ("at", "frames", "key_due", "operand", "out", "shaped", "tokens")
+
+    def __init__(self, tokens: list[Token]) -> None:
+        self.tokens = tokens
+        self.out: list[Token] = []
+        self.frames: list[str] = []
+        self.at = 0
+        self.operand = False  # the last token completes an operand
+        self.key_due = False  # a property starts here
+        self.shaped = False
+
+    def run(self) -> list[Token]:
+        self._header()
+        while self.at < len(self.tokens):
+            token = self.tokens[self.at]
+            kind = token.kind
+            if kind == NAME:
+                self._word(token)
+            elif kind == SYMBOL:
+                self._symbol(token)
+            elif kind == NEWLINE:
+                self._newline()
+            else:
+                self._emit(kind, token, operand=True)
+                self.key_due = False
+            self.at += 1
+        return self.out
+
+    # --- helpers ---------------------------------------------------------------------------
+
+    def _emit(self, kind: str, token: Token, *, operand: bool) -> None:
+        self.out.append(Token(kind, token.text, token.start, token.end))
+        self.operand = operand
+
+    def _peek(self, ahead: int = 1) -> Token:
+        """The raw token that many places on, newlines not counted."""
+        position = self.at
+        while ahead:
+            position += 1
+            if position >= len(self.tokens):
+                return _NOTHING
+            ahead -= self.tokens[position].kind != NEWLINE
+        return self.tokens[position]
+
+    @property
+    def _last(self) -> str:
+        return self.out[-1].kind if self.out else ""
+
+    @property
+    def _in_property(self) -> bool:
+        """Directly within the braces of a block, where words and values stand side by side."""
+        return bool(self.frames) and self.frames[-1] == "{"
+
+    # --- the first words of a statement ------------------------------------------------------
+
+    def _header(self) -> None:
+        first = self.tokens[0]
+        kind = statement_words().get(first.text, "") if first.kind == NAME else ""
+        if not kind:
+            return
+        self._emit(kind, first, operand=False)
+        self.at = 1
+        self.shaped = kind in SHAPED
+        if kind == "ST_SIGNAL":
+            self._signal()
+        elif kind == "ST_REQUIRE":
+            self._require()
+        elif kind in _NAMED:
+            self._plain_name()
+            if kind == "ST_STATION" and self._here().text == "at":
+                self._take("AT", operand=False)
+
+    def _here(self) -> Token:
+        return self.tokens[self.at] if self.at < len(self.tokens) else _NOTHING
+
+    def _take(self, kind: str, *, operand: bool) -> None:
+        self._emit(kind, self._here(), operand=operand)
+        self.at += 1
+
+    def _plain_name(self) -> None:
+        if self._here().kind == NAME:
+            self._take(NAME, operand=True)
+
+    def _require(self) -> None:
+        after = self._peek()
+        if after.text == ":" or (after.kind == NAME and after.text == "margin"):
+            self._plain_name()
+        if self._here().text == "margin" and self._peek().text not in (":", "=="):
+            self._take("MARGIN", operand=False)
+
+    def _signal(self) -> None:
+        """Names and commas, then the unit between square brackets as one token."""
+        while self._here().kind in (NAME, SYMBOL) and self._here().text != "[":
+            if self._here().kind == NAME:
+                self._plain_name()
+            else:
+                self._take(symbol_terminals().get(self._here().text, "BAD"), operand=False)
+        rest = self.tokens[self.at :]
+        if len(rest) > 2 and rest[-1].text == "]":
+            text = "".join(token.text for token in rest[1:-1])
+            self.out.append(Token("UNIT", text, rest[0].start, rest[-1].end))
+            self.at = len(self.tokens)
+
+    # --- words -------------------------------------------------------------------------------
+
+    def _word(self, token: Token) -> None:
+        if self.key_due:
+            self.key_due = False
+            self._emit("KEY", token, operand=False)
+            return
+        if self._last == "DOT":
+            self._emit(NAME, token, operand=True)
+            return
+        if self.shaped and self._shape_word(token):
+            return
+        placed = self.operand or self._last == "KEY"
+        if self._in_property and placed and self._property_word(token):
+            return
+        kind = word_terminals().get(token.text)
+        if kind is None and token.text[-1] == "_":
+            if self._underscore(token):
+                return
+        if kind is None or not self._is_operator(kind, token):
+            self._emit(NAME, token, operand=True)
+            return
+        self._emit(kind, token, operand=kind in ("TRUE", "FALSE", "SWEPT"))
+
+    def _underscore(self, token: Token) -> bool:
+        """`G_[0,5]`, `alw_[0,5]`, and the `_` of `[]_[0,5]`."""
+        if self._peek().text != "[":
+            return False
+        kind = word_terminals().get(token.text[:-1], "")
+        if token.text == "_" and self._last in TEMPORAL:
+            return True
+        if kind in TEMPORAL:
+            self._emit(kind, token, operand=False)
+            return True
+        return False
+
+    def _shape_word(self, token: Token) -> bool:
+        text, after = token.text, self._peek()
+        opener = {"box": "[", "polygon": "(", "moving": "{"}
+        if not self.operand and after.text == opener.get(text):
+            self._emit(text.upper(), token, operand=False)
+        elif not self.operand and text == "geojson" and after.kind == STRING:
+            self._emit("GEOJSON", token, operand=False)
+        elif self.operand and text == "x" and after.text == "[":
+            self._emit("TIMES", token, operand=False)
+        elif self.operand and text in ("hole", "feature", "inflate"):
+            self._emit(text.upper(), token, operand=False)
+        else:
+            return False
+        return True
+
+    def _property_word(self, token: Token) -> bool:
+        """`x` between two sizes; a name with its own `=` starts the next property."""
+        after = self._peek()
+        if after.text == "=":
+            self.out.append(Token("SEP", "", token.start, token.start))
+            self._emit("KEY", token, operand=False)
+            return True
+        sizes = self._last in (NUMBER, "RSQB") and (after.kind == NUMBER or after.text == "[")
+        if token.text == "x" and sizes:
+            self._emit("TIMES", token, operand=False)
+            return True
+        return False
+
+    def _is_operator(self, kind: str, token: Token) -> bool:
+        if kind in ("TRUE", "FALSE"):
+            return not self.operand
+        if kind in QUANTIFIERS:
+            return not self.operand and self._quantifies(kind)
+        if self.operand:
+            return not (self._in_property and self._peek().kind == "$END")
+        if kind in UNARY:
+            return self._takes_operand(token)
+        # Where an operand is due a binary word is a name; if an operand follows, it is a mistake
+        # that the parser reports at the operator.
+        return len(token.text) > 1 and self._begins_operand(self._peek(), self._peek(2))
+
+    def _quantifies(self, kind: str) -> bool:
+        first, second = self._peek(), self._peek(2)
+        if kind == "SUM" and first.text == "(":
+            return self._after_bracket(1).text == "in"
+        if kind == "SUM":
+            return first.kind == NAME and second.text == "in"
+        return first.text == "(" or (first.kind == NAME and first.text != "in")
+
+    def _takes_operand(self, token: Token) -> bool:
+        """Whether a unary operator's word is the operator here, and not a name."""
+        after = self._peek()
+        long = len(token.text) > 2
+        if after.text == "[":
+            beyond = self._after_bracket(1)
+            return long or self._begins_operand(beyond, _NOTHING) or beyond.kind == "$END"
+        if after.text == "|":
+            return long or self._hugs(after)
+        if after.text in ("-", "−"):
+            return long
+        return self._begins_operand(after, self._peek(2))
+
+    def _hugs(self, bar: Token) -> bool:
+        """A bar with a blank before and none after it opens an absolute value."""
+        spaced = self.tokens[self.at].end < bar.start
+        return spaced and self._peek(2).start == bar.end
+
+    def _begins_operand(self, first: Token, second: Token) -> bool:
+        if first.kind == "$END":
+            return False
+        if first.kind == SYMBOL:
+            return symbol_terminals()[_plain(first.text)] not in _NAME_BEFORE or first.text == "|"
+        if first.kind != NAME:
+            return True
+        if word_terminals().get(first.text) not in BINARY:
+            return True
+        # A binary word as first word of an operand is a name: `always in > 3`.
+        kind = symbol_terminals().get(second.text, "")
+        return kind in _NAME_BEFORE - {"LBRACE"}
+
+    def _after_bracket(self, ahead: int) -> Token:
+        """The raw token after the bracket that opens `ahead` tokens on is closed."""
+        depth = 0
+        position = self.at + ahead
+        while position < len(self.tokens):
+            text = self.tokens[position].text
+            depth += (text in ("(", "[", "{")) - (text in (")", "]", "}"))
+            position += 1
+            if depth == 0:
+                break
+        while position < len(self.tokens) and self.tokens[position].kind == NEWLINE:
+            position += 1
+        return self.tokens[position] if position < len(self.tokens) else _NOTHING
+
+    # --- symbols -----------------------------------------------------------------------------
+
+    def _symbol(self, token: Token) -> None:
+        text = token.text
+        if text in ("(", "["):
+            self._open(token)
+        elif text in (")", "]"):
+            self._close(token)
+        elif text in ("|", "||"):
+            self._bar(token)
+        elif text == "{":
+            self.frames.append("M" if self._last == "MOVING" else "{")
+            self._emit("LBRACE", token, operand=False)
+            self.key_due = self.frames[-1] == "{"
+        elif text == "}":
+            self._close_block(token)
+        elif self.frames and self.frames[-1] in "{M" and text in (";", ","):
+            self._separate(token)
+        else:
+            self._emit(symbol_terminals()[_plain(text)], token, operand=False)
+            self.key_due = False
+
+    def _open(self, token: Token) -> None:
+        blank = bool(self.out) and self.out[-1].end < token.start
+        apart = self._in_property and blank
+        self.key_due = False
+        if token.text == "(":
+            called = self.operand and self._last == NAME and not apart
+            self.frames.append("(")
+            self._emit("CALL" if called else "LPAR", token, operand=False)
+        elif self._last in TEMPORAL:
+            self.frames.append("I")
+            self._emit("IVL", token, operand=False)
+        else:
+            indexed = self.operand and self._last in (NAME, "RSQB", "RPAR") and not apart
+            self.frames.append("[")
+            self._emit("INDEX" if indexed else "LSQB", token, operand=False)
+
+    def _close(self, token: Token) -> None:
+        while self.frames and self.frames[-1] == "|":
+            self.frames.pop()
+        frame = self.frames.pop() if self.frames else ""
+        self._emit("RPAR" if token.text == ")" else "RSQB", token, operand=frame != "I")
+
+    def _bar(self, token: Token) -> None:
+        closes = self.operand and bool(self.frames) and self.frames[-1] == "|"
+        opens = not self.operand or (self._in_property and self._hugs_here(token))
+        if not closes and not opens:
+            self._emit("OR", token, operand=False)
+            return
+        for k in range(len(token.text)):
+            bar = Token(SYMBOL, "|", token.start + k, token.start + k + 1)
+            if closes:
+                if self.frames and self.frames[-1] == "|":
+                    self.frames.pop()
+                self._emit("ABS_CLOSE", bar, operand=True)
+            else:
+                self.frames.append("|")
+                self._emit("ABS_OPEN", bar, operand=False)
+                self.key_due = False
+
+    def _hugs_here(self, bar: Token) -> bool:
+        return self.out[-1].end < bar.start and self._peek().start == bar.end
+
+    # --- blocks ------------------------------------------------------------------------------
+
+    def _newline(self) -> None:
+        """Within braces a newline ends a property that is complete, unless an operator follows."""
+        if not self.frames or self.frames[-1] not in "{M":
+            return
+        if not self.operand and self._last != "KEY":
+            return
+        after = self._peek()
+        if after.kind in (NAME, NUMBER) or after.text == "}":
+            self._separate(self.tokens[self.at])
+
+    def _separate(self, token: Token) -> None:
+        if self._last not in ("SEP", "LBRACE"):
+            self._emit("SEP", token, operand=False)
+        self.key_due = self.frames[-1] == "{"
+
+    def _close_block(self, token: Token) -> None:
+        while self.frames and self.frames[-1] == "|":
+            self.frames.pop()
+        if self.frames:
+            self.frames.pop()
+        if self._last == "SEP":
+            self.out.pop()
+        self.key_due = False
+        self._emit("RBRACE", token, operand=True)
+
+
+def _plain(symbol: str) -> str:
+    """`[ ]` is `[]`."""
+    return "[]" if symbol[0] == "[" and symbol[-1] == "]" else symbol
