@@ -15,7 +15,9 @@ from typing import Any
 _TERMINAL = re.compile(r'^([A-Z_]+): ("[^\n]*")$', re.M)
 _SPELLING = re.compile(r'"([^"]+)"')
 # Terminals that carry something the tree needs; all others only guide the parser.
-_KEPT = frozenset("NAME KEY NUMBER STRING UNIT SWEPT LE LT GE GT EQEQ NE".split())
+_KEPT = frozenset(
+    {"NAME", "KEY", "NUMBER", "STRING", "UNIT", "SWEPT", "LE", "LT", "GE", "GT", "EQEQ", "NE"}
+)
 
 
 def spellings(grammar: str) -> dict[str, list[str]]:
@@ -33,7 +35,7 @@ def build(grammar: str) -> dict[str, Any]:
     from lark import Lark
 
     parser = Lark(grammar, parser="lalr", start="start", maybe_placeholders=True)
-    table = parser.parser.parser._parse_table  # type: ignore[attr-defined]
+    table = parser.parser.parser._parse_table
     numbers = {rule: k for k, rule in enumerate(parser.rules)}
     order = _numbering(table.states, table.start_states["start"])
     actions: list[dict[str, int]] = [{} for _ in order]

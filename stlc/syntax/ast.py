@@ -279,7 +279,9 @@ class Property:
     lists; `start (1, 1)` a tuple; `turn_rate` alone no `args`. A block is flat: in
     `path_loss L0 = -12.89 dBm, n = 3` there are three properties, `path_loss` without `args`, `L0`
     and `n`. In a block a bracket that follows a word after a blank starts a value of its own
-    (`start (1, 1)`), without a blank it is a call or an index (`bound max(1, 2)`).
+    (`start (1, 1)`), without a blank it is a call or an index (`bound max(1, 2)`). A comma ends a
+    property, except between bare words: `states px, vx` has the names `px` and `vx`, and so has
+    `states px vx`; `states px [m] vx [m/s]` has name, list, name, list.
     """
 
     key: Ident

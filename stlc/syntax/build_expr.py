@@ -9,6 +9,7 @@ from stlc.diagnostics import Diagnostic
 from stlc.source import Source, Span
 from stlc.syntax import ast
 from stlc.syntax.mixes import Mixes
+from stlc.syntax.past import PAST_WORDS, past_operator
 from stlc.syntax.tokens import Token, split_number
 
 Children = list[Any]
@@ -16,7 +17,9 @@ _OPERATORS = {"≤": "<=", "≥": ">=", "≠": "!="}
 
 
 class ExprBuilder:
-    """Builders of expressions over one source; collects warnings about unclear mixes.
+    """Builders of expressions over one source.
+
+    `mixes.warnings` and `mistakes` hold what was noticed on the way.
 
     Every method takes the characters [start, end) of the production and its children.
     """
@@ -24,11 +27,7 @@ class ExprBuilder:
     def __init__(self, source: Source) -> None:
         self.source = source
         self.mixes = Mixes(source)
-
-    @property
-    def warnings(self) -> list[Diagnostic]:
-        """Warnings of the statements built so far."""
-        return self.mixes.warnings
+        self.mistakes: list[Diagnostic] = []
 
     def span(self, start: int, end: int) -> Span:
         """Span of this source."""
@@ -63,7 +62,10 @@ class ExprBuilder:
 
     def call(self, start: int, end: int, c: Children) -> ast.Expr:
         args = tuple(arg for arg in c[1:] if arg is not None)
-        return ast.Call(self.span(start, end), self.ident(c[0]), args)
+        function = self.ident(c[0])
+        if function.text in PAST_WORDS:
+            self.mistakes.append(past_operator(function.span))
+        return ast.Call(self.span(start, end), function, args)
 
     def group(self, start: int, end: int, c: Children) -> ast.Expr:
         self.mixes.in_parentheses(c[0])
@@ -73,10 +75,10 @@ class ExprBuilder:
     def absolute(self, start: int, end: int, c: Children) -> ast.Expr:
         return ast.Absolute(self.span(start, end), c[0])
 
-    def tuple(self, start: int, end: int, c: Children) -> ast.Expr:
+    def tuple_of(self, start: int, end: int, c: Children) -> ast.Expr:
         return ast.Tuple(self.span(start, end), tuple(c))
 
-    def list(self, start: int, end: int, c: Children) -> ast.Expr:
+    def list_of(self, start: int, end: int, c: Children) -> ast.Expr:
         return ast.List(self.span(start, end), tuple(item for item in c if item is not None))
 
     def attribute(self, start: int, end: int, c: Children) -> ast.Expr:
@@ -85,7 +87,7 @@ class ExprBuilder:
     def index(self, start: int, end: int, c: Children) -> ast.Expr:
         return ast.Index(self.span(start, end), c[0], tuple(c[1:]))
 
-    def range(self, start: int, end: int, c: Children) -> ast.Range:
+    def range_of(self, start: int, end: int, c: Children) -> ast.Range:
         return ast.Range(self.span(start, end), c[0], c[1])
 
     # --- arithmetic --------------------------------------------------------------------------
@@ -118,7 +120,8 @@ class ExprBuilder:
     # --- predicates --------------------------------------------------------------------------
 
     def compare_op(self, start: int, end: int, c: Children) -> str:
-        return _OPERATORS.get(c[0].text, c[0].text)
+        text: str = c[0].text
+        return _OPERATORS.get(text, text)
 
     def comparison_tail(self, start: int, end: int, c: Children) -> Children:
         return [*c]

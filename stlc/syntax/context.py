@@ -23,13 +23,15 @@ BINARY: Final = frozenset(
 QUANTIFIERS: Final = frozenset({"FORALL", "EXISTS", "SUM"})
 SHAPED: Final = frozenset({"ST_WORKSPACE", "ST_REGION", "ST_OBSTACLE"})
 _NAMED: Final = frozenset(
-    "ST_PARAM ST_DYNAMICS ST_AGENT ST_STATION ST_REGION ST_OBSTACLE ST_CHANNEL ST_LET".split()
+    {"ST_PARAM", "ST_DYNAMICS", "ST_AGENT", "ST_STATION", "ST_REGION", "ST_OBSTACLE"}
+    | {"ST_CHANNEL", "ST_LET"}
 )
 # Symbols after which a word in front of them was a name, not an operator.
 _NAME_BEFORE: Final = frozenset(
-    {"LE", "LT", "GE", "GT", "EQEQ", "NE", "PLUS", "STAR", "SLASH", "CARET", "EQ", "COLON",
-     "COMMA", "DOT", "DOTS", "RPAR", "RSQB", "LBRACE", "RBRACE", "SEP", "AND", "OR", "IMPLIES", "IFF"}
-)  # fmt: skip
+    {"LE", "LT", "GE", "GT", "EQEQ", "NE", "PLUS", "STAR", "SLASH", "CARET", "EQ", "COLON"}
+    | {"COMMA", "DOT", "DOTS", "RPAR", "RSQB", "LBRACE", "RBRACE", "SEP"}
+    | {"AND", "OR", "IMPLIES", "IFF"}
+)
 _NOTHING: Final = Token("$END", "", 0, 0)
 
 
@@ -185,9 +187,8 @@ class _Context:
         if self._in_property and placed and self._property_word(token):
             return
         kind = word_terminals().get(token.text)
-        if kind is None and token.text[-1] == "_":
-            if self._underscore(token):
-                return
+        if kind is None and token.text[-1] == "_" and self._underscore(token):
+            return
         if kind is None or not self._is_operator(kind, token):
             self._emit(NAME, token, operand=True)
             return
@@ -316,7 +317,8 @@ class _Context:
         elif text == "}":
             self._close_block(token)
         elif self.frames and self.frames[-1] in "{M" and text in (";", ","):
-            self._separate(token)
+            if text == ";" or not self._listing():
+                self._separate(token)
         else:
             self._emit(symbol_terminals()[_plain(text)], token, operand=False)
             self.key_due = False
@@ -374,6 +376,16 @@ class _Context:
         after = self._peek()
         if after.kind in (NAME, NUMBER) or after.text == "}":
             self._separate(self.tokens[self.at])
+
+    def _listing(self) -> bool:
+        """Whether a comma stands within a list of bare words: `states px, vx, py, vy`."""
+        after = self._peek()
+        beyond = self.tokens[self.at + 2] if self.at + 2 < len(self.tokens) else _NOTHING
+        ends = beyond.kind == NEWLINE or beyond.text in (",", ";", "}")
+        if self._last != NAME or after.kind != NAME or not ends:
+            return False
+        kinds = (token.kind for token in reversed(self.out))
+        return next((kind for kind in kinds if kind != NAME), "") == "KEY"
 
     def _separate(self, token: Token) -> None:
         if self._last not in ("SEP", "LBRACE"):

@@ -64,7 +64,7 @@ class _Parser:
                 self.mistakes.append(TooManyMistakes(span=span, count=MAX_MISTAKES))
                 break
             self._chunk(chunk)
-        found = [*self.mistakes, *self.builder.warnings]
+        found = [*self.mistakes, *self.builder.mistakes, *self.builder.mixes.warnings]
         found.sort(key=lambda d: d.span.start if d.span else 0)
         file = ast.File(self.source, tuple(self.statements), tuple(self.comments))
         return ParseResult(file, tuple(found))

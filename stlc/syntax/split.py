@@ -19,9 +19,15 @@ from stlc.grammar import tables
 from stlc.source import Source
 from stlc.syntax.errors import NestingTooDeep, UnclosedBracket, UnmatchedBracket
 from stlc.syntax.lalr import MAX_DEPTH
-from stlc.syntax.tokens import COMMENT, NAME, NEWLINE, NUMBER, STRING, SYMBOL, Token
+from stlc.syntax.tokens import NAME, NEWLINE, NUMBER, STRING, SYMBOL, Token
 
 CLOSING: Final = {"(": ")", "[": "]", "{": "}"}
+BRACKETS: Final = frozenset("()[]{}")
+_WORDS: Final = frozenset(
+    {"UNTIL", "RELEASE", "AND", "OR", "IMPLIES", "IFF", "IN", "OUTSIDE", "NOT", "ALWAYS"}
+    | {"EVENTUALLY", "NEXT"}
+)
+_COMPLETE: Final = frozenset({")", "]", "}", ";", "|"})  # a statement may end here
 
 
 @dataclass(slots=True)
@@ -42,12 +48,8 @@ def statement_words() -> dict[str, str]:
 @cache
 def operator_words() -> dict[str, str]:
     """Terminal of each operator that is spelled as a word."""
-    kinds = "UNTIL RELEASE AND OR IMPLIES IFF IN OUTSIDE SWEPT NOT ALWAYS EVENTUALLY NEXT".split()
     spellings = tables().spellings
-    return {word: kind for kind in kinds for word in spellings[kind] if word.isalpha()}
-
-
-_NO_OPERAND_YET = frozenset("()[]{};|.") - frozenset("([{.")
+    return {word: kind for kind in _WORDS for word in spellings[kind] if word.isalpha()}
 
 
 def _continues(previous: Token | None) -> bool:
@@ -55,7 +57,7 @@ def _continues(previous: Token | None) -> bool:
     if previous is None:
         return False
     if previous.kind == SYMBOL:
-        return previous.text not in _NO_OPERAND_YET
+        return previous.text not in _COMPLETE
     return previous.kind == NAME and len(previous.text) > 1 and previous.text in operator_words()
 
 
@@ -86,7 +88,7 @@ class _Splitter:
                 fresh = True
                 continue
             fresh = False
-            if kind == SYMBOL and token.text in "()[]{}":
+            if kind == SYMBOL and token.text in BRACKETS:
                 self._bracket(token)
             self.chunk.tokens.append(token)
             self.previous = token
@@ -159,5 +161,4 @@ def _certain(after: tuple[Token, Token]) -> bool:
 
 def split(source: Source, tokens: list[Token]) -> Iterator[Chunk]:
     """Statements of a file; comments must have been taken out of the tokens."""
-    assert all(token.kind != COMMENT for token in tokens[:1])
     return _Splitter(source, tokens).run()

@@ -5,17 +5,15 @@ from __future__ import annotations
 from typing import Final
 
 UNITS: Final[frozenset[str]] = frozenset(
-    """
-    m km cm mm
-    s ms us min h
-    kg g
-    N mN kN
-    rad mrad deg
-    dB dBm dBi
-    Hz kHz MHz GHz
-    W mW uW
-    J mJ uJ
-    bit kbit Mbit byte
-    %
-    """.split()
+    {
+        *("m", "km", "cm", "mm"),
+        *("s", "ms", "us", "min", "h"),
+        *("kg", "g", "N", "mN", "kN"),
+        *("rad", "mrad", "deg"),
+        *("dB", "dBm", "dBi"),
+        *("Hz", "kHz", "MHz", "GHz"),
+        *("W", "mW", "uW", "J", "mJ", "uJ"),
+        *("bit", "kbit", "Mbit", "byte"),
+        "%",
+    }
 )
