@@ -1,4 +1,4 @@
-"""What every encoder shares: the mission, the growing model, the trajectory's columns and ranges."""
+"""What every encoder shares: mission, growing model, columns and ranges of the trajectory."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from stlc.errors import UsageError
 from stlc.ir.printer import print_program
 from stlc.ir.rewrite import postorder
 from stlc.ir.verify import Stage, verify
-from stlc.passes import cse, flatten, fold, horizon, nnf, unroll
+from stlc.passes import cse, decide, flatten, fold, horizon, nnf, unroll
 from stlc.passes.base import Pass, Program
 
 __all__ = ["PIPELINE", "Pass", "PassStats", "Program", "run_pipeline"]
@@ -28,6 +28,7 @@ PIPELINE: tuple[Pass, ...] = (
     cse.PASS,
     unroll.PASS,
     _again(fold.PASS, "fold-steps", "unroll"),
+    decide.PASS,
     _again(flatten.PASS, "flatten-steps", "unroll"),
 )
 

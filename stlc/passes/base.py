@@ -2,44 +2,49 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from stlc.ir.nodes import Node
+from stlc.ir.nodes import Link, Node, Not
 from stlc.ir.verify import Stage
 from stlc.milp.context import Ranges
-from stlc.mission import ObjectiveTerm, Requirement, TermKind
+from stlc.milp.links import LinkTables
+from stlc.mission import Mission, Requirement
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Program:
     """The requirements on their way to the encoder.
 
-    `ranges` are sound for every run that satisfies the mission; `objective` only its robustness
-    terms matter here.
+    `ranges` are sound for every run that satisfies the mission (empty before they are known).
     """
 
     requirements: tuple[Requirement, ...]
-    horizon: int
+    mission: Mission
     ranges: Mapping[str, Ranges] = field(default_factory=dict)
-    objective: tuple[ObjectiveTerm, ...] = ()
+    tables: LinkTables | None = None
 
     def with_formulas(self, formulas: Sequence[Node]) -> Program:
         """The same program over other formulas."""
         pairs = zip(self.requirements, formulas, strict=True)
-        return replace(
-            self, requirements=tuple(replace(r, formula=f) for r, f in pairs)
-        )
+        return replace(self, requirements=tuple(replace(r, formula=f) for r, f in pairs))
 
     @property
     def formulas(self) -> tuple[Node, ...]:
         """The formulas, one for each requirement."""
         return tuple(r.formula for r in self.requirements)
 
+    def link_bounds(self, node: Link | Not) -> tuple[float, float]:
+        """Static bounds of a link predicate's robustness."""
+        if self.tables is None:
+            return -math.inf, math.inf
+        return self.tables.bounds(node, self.ranges)
+
     @property
-    def robust_terms(self) -> tuple[ObjectiveTerm, ...]:
-        """Objective terms that speak of robustness."""
-        return tuple(t for t in self.objective if t.kind is TermKind.ROBUSTNESS)
+    def horizon(self) -> int:
+        """T: steps 0..T."""
+        return self.mission.horizon
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,138 @@
+"""From a checked mission to one exact MILP, and back from a solver's point to trajectories."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from stlc.errors import UsageError
+from stlc.milp.builder import ModelBuilder
+from stlc.milp.context import Context, Ranges
+from stlc.milp.costs import add_objective
+from stlc.milp.dynamics import add_agents
+from stlc.milp.formula import FormulaEncoder
+from stlc.milp.goals import Goal, goals_of, level_of
+from stlc.milp.links import LinkEncoder, LinkTables
+from stlc.milp.model import Floats, Ints, Model, Origin
+from stlc.milp.reach import reach
+from stlc.mission import Mission
+from stlc.passes import PassStats, Program, run_pipeline
+from stlc.trajectories import Trajectories
+
+
+def _silent(name: str, text: str) -> None:
+    """Printed programs go nowhere unless someone asks."""
+
+
+@dataclass(frozen=True, slots=True)
+class CompileOptions:
+    """How to compile.
+
+    `stl` and `link` name encodings ("auto" chooses by structure); `print_after` names passes whose
+    result goes to `show(name, text)`, "all" for every one.
+    """
+
+    stl: str = "auto"
+    link: str = "auto"
+    disabled_passes: frozenset[str] = frozenset()
+    print_after: frozenset[str] = frozenset()
+    show: Callable[[str, str], None] = _silent
+
+
+@dataclass(frozen=True, slots=True)
+class CompileStats:
+    """Sizes by origin (a requirement or declaration): columns, binaries, rows, nonzeros."""
+
+    by_origin: Mapping[str, tuple[int, int, int, int]]
+    passes: tuple[PassStats, ...]
+    seconds: float
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Compiled:
+    """The model, and what is needed to read a point of it.
+
+    `robustness[name]` is the column of a robustness objective and its static bounds; name None is
+    the whole mission's.
+    """
+
+    model: Model
+    mission: Mission
+    states: Mapping[str, Ints]
+    inputs: Mapping[str, Ints]
+    ranges: Mapping[str, Ranges]
+    robustness: Mapping[str | None, tuple[int, float, float]]
+    stats: CompileStats
+
+    def decode(self, x: Floats) -> Trajectories:
+        """Trajectories of a point x (n,)."""
+        return Trajectories(
+            {name: np.asarray(x[cols], dtype=float) for name, cols in self.states.items()},
+            {name: np.asarray(x[cols], dtype=float) for name, cols in self.inputs.items()},
+        )
+
+
+def compile_mission(mission: Mission, options: CompileOptions | None = None) -> Compiled:
+    """Compile.
+
+    Raises InfeasibleError where the analysis proves that no run exists, UsageError for an unknown
+    option or signals without bounds.
+    """
+    options = options or CompileOptions()
+    began = time.perf_counter()
+    tables = LinkTables(mission)
+    program = Program(mission.requirements, mission, reach(mission), tables)
+    program, passes = run_pipeline(
+        program, options.disabled_passes, options.print_after, options.show
+    )
+    ctx = Context(mission, ModelBuilder(), program.ranges)
+    add_agents(ctx)
+    goals = goals_of(mission, program.requirements, program.ranges, program.link_bounds)
+    rho = {goal: _add_goal(ctx, goal) for goal in goals}
+    _add_requirements(ctx, program, goals, rho, tables, options)
+    notes = add_objective(ctx, tables, options.link)
+    model = ctx.builder.build()
+    stats = CompileStats(sizes(model), passes, time.perf_counter() - began, notes)
+    robustness = {g.requirement: (rho[g], g.low, g.high) for g in goals}
+    return Compiled(model, mission, ctx.states, ctx.inputs, ctx.ranges, robustness, stats)
+
+
+def _add_goal(ctx: Context, goal: Goal) -> int:
+    if not np.isfinite(goal.high):
+        raise UsageError("the robustness to maximise has no upper bound: nothing limits it")
+    ctx.builder.origin = Origin(f"robustness {goal.requirement or 'of the mission'}")
+    column = ctx.builder.add_columns("rho", (1,), goal.low, goal.high, cost=goal.weight)
+    return int(column[0])
+
+
+def _add_requirements(
+    ctx: Context,
+    program: Program,
+    goals: tuple[Goal, ...],
+    rho: Mapping[Goal, int],
+    tables: LinkTables,
+    options: CompileOptions,
+) -> None:
+    encoder = FormulaEncoder(ctx, rho, LinkEncoder(ctx, tables, rho, options.link))
+    for requirement in program.requirements:
+        ctx.builder.origin = Origin(f"require {requirement.name}", requirement.span)
+        encoder.require(requirement, level_of(requirement, goals))
+
+
+def sizes(model: Model) -> dict[str, tuple[int, int, int, int]]:
+    """Columns, binaries, rows and nonzeros by the label of their origin."""
+    found: dict[str, np.ndarray] = {}
+    for block in model.col_blocks:
+        part = slice(block.start, block.start + block.size)
+        integers = int(model.integrality[part].sum())
+        entry = found.setdefault(block.origin.label, np.zeros(4, np.int64))
+        entry += (block.size, integers, 0, 0)
+    for block in model.row_blocks:
+        nonzeros = int(model.A.indptr[block.start + block.size] - model.A.indptr[block.start])
+        entry = found.setdefault(block.origin.label, np.zeros(4, np.int64))
+        entry += (0, 0, block.size, nonzeros)
+    return {label: tuple(int(v) for v in entry) for label, entry in found.items()}  # type: ignore[misc]

@@ -1,0 +1,129 @@
+"""Objective terms as columns and coefficients.
+
+    effort      sum_{t >= 1} q'|x_t| + sum_{t <= T-1} r'|u_t|: for each entry whose range crosses 0
+                a column s >= 0 with s >= y and s >= -y; y or -y itself where the sign is known
+    link cost   see `stlc.milp.tables`
+    robustness  the column of its goal
+
+`normalised` divides a cost by the width of its static range.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stlc.errors import UsageError
+from stlc.milp.context import Context
+from stlc.milp.links import LinkTables
+from stlc.milp.model import Floats, Ints, Origin
+from stlc.mission import Agent, ObjectiveTerm, TermKind
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Entries:
+    """Weighted columns of an effort: cols (k,), weights (k,) >= 0, lower and upper (k,)."""
+
+    cols: Ints
+    weights: Floats
+    lower: Floats
+    upper: Floats
+
+    @property
+    def span(self) -> float:
+        """Width of the static range of sum weights |y|."""
+        crossing = (self.lower < 0) & (self.upper > 0)
+        ends = np.abs(np.stack([self.lower, self.upper]))
+        least = np.where(crossing, 0.0, ends.min(axis=0))
+        return float(self.weights @ (ends.max(axis=0) - least))
+
+
+def add_objective(ctx: Context, tables: LinkTables, encoding: str) -> tuple[str, ...]:
+    """Add every cost term; returns remarks on the encodings that were chosen."""
+    notes: list[str] = []
+    for term in ctx.mission.objective:
+        ctx.builder.origin = Origin(f"objective {term.kind.value}", term.span)
+        match term.kind:
+            case TermKind.EFFORT:
+                _add_effort(ctx, term)
+            case TermKind.LINK_COST:
+                notes += _add_link_cost(ctx, term, tables, encoding)
+            case TermKind.ROBUSTNESS:
+                continue  # its column carries the weight
+    return tuple(notes)
+
+
+def _window(ctx: Context, term: ObjectiveTerm) -> tuple[int, int]:
+    return term.window if term.window is not None else (0, ctx.mission.horizon)
+
+
+def _add_effort(ctx: Context, term: ObjectiveTerm) -> None:
+    first, last = _window(ctx, term)
+    agents = [ctx.agent(name) for name in term.agents or ctx.mission.agents]
+    parts = [part for agent in agents for part in _agent_entries(ctx, agent, first, last)]
+    weight = term.weight
+    if term.normalised:
+        width = sum(part.span for part in parts)
+        weight = weight / width if width > 0 else 0.0
+    for part in parts:
+        _add_absolute(ctx, part, weight)
+
+
+def _agent_entries(ctx: Context, agent: Agent, first: int, last: int) -> list[_Entries]:
+    r = ctx.ranges[agent.name]
+    states = slice(max(first, 1), last + 1)
+    inputs = slice(first, min(last, ctx.mission.horizon - 1) + 1)
+    blocks = [
+        (ctx.states[agent.name][states], agent.effort_state, r.state_lower[states],
+         r.state_upper[states]),
+        (ctx.inputs[agent.name][inputs], agent.effort_input, r.input_lower[inputs],
+         r.input_upper[inputs]),
+    ]  # fmt: skip
+    return [_entries(cols, q, low, high) for cols, q, low, high in blocks if cols.size]
+
+
+def _entries(cols: Ints, weights: Floats, lower: Floats, upper: Floats) -> _Entries:
+    spread = np.broadcast_to(weights, cols.shape)
+    used = spread != 0
+    return _Entries(cols[used], spread[used].astype(float), lower[used], upper[used])
+
+
+def _add_absolute(ctx: Context, part: _Entries, weight: float) -> None:
+    costs = weight * part.weights
+    known = (part.lower >= 0) | (part.upper <= 0)
+    signs = np.where(part.lower >= 0, 1.0, -1.0)
+    ctx.builder.add_cost(part.cols[known], (signs * costs)[known])
+    cols, costs = part.cols[~known], costs[~known]
+    if not len(cols) or weight == 0:
+        return
+    if weight < 0:
+        raise UsageError("effort can be minimised, not maximised: give it a positive weight")
+    top = np.maximum(-part.lower, part.upper)[~known]
+    size = ctx.builder.add_columns("abs", (len(cols),), 0.0, top, cost=costs)
+    pairs = np.column_stack([size, cols])
+    for sign in (1.0, -1.0):
+        ctx.builder.add_dense_rows("abs", pairs, [1.0, sign], 0.0, np.inf)
+
+
+def _add_link_cost(
+    ctx: Context, term: ObjectiveTerm, tables: LinkTables, encoding: str
+) -> Sequence[str]:
+    from stlc.milp.tables import add_link_cost
+
+    assert term.channel is not None, "semantic analysis names the channel of every link cost"
+    channel = ctx.mission.channels[term.channel]
+    first, last = _window(ctx, term)
+    steps = range(max(first, 1), last + 1)
+    weight = term.weight
+    if term.normalised:
+        spans = [float(np.ptp(tables.cost(channel, pair))) for pair in term.pairs]
+        width = sum(spans) * len(steps)
+        weight = weight / width if width > 0 else 0.0
+    notes = []
+    for pair in term.pairs:
+        table = tables.cost(channel, pair)
+        choice = add_link_cost(ctx, channel, pair, table, steps, weight, encoding)
+        notes.append(f"link cost of {pair[0]}, {pair[1]}: {choice.encoding.name}, {choice.reason}")
+    return notes

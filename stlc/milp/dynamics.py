@@ -1,0 +1,95 @@
+"""Columns of every trajectory, and rows of the dynamics, norm polygons and workspace."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stlc.milp.context import Context
+from stlc.milp.model import Floats, Ints, Origin
+from stlc.mission import Agent, NormBound, PolygonKind
+
+
+def add_agents(ctx: Context) -> None:
+    """Add states, inputs and x(t+1) = A x(t) + B u(t) + drift of every agent."""
+    for name, agent in ctx.mission.agents.items():
+        ctx.builder.origin = Origin(f"agent {name}", agent.span)
+        _add_columns(ctx, agent)
+        _add_dynamics(ctx, agent)
+        for bound in agent.state_norms:
+            _add_polygon(ctx, agent, bound, ctx.states[name][1:], ctx.ranges[name].state_upper[1:])
+        for bound in agent.input_norms:
+            _add_polygon(ctx, agent, bound, ctx.inputs[name], ctx.ranges[name].input_upper)
+        _add_workspace(ctx, agent)
+
+
+def _add_columns(ctx: Context, agent: Agent) -> None:
+    ranges, name = ctx.ranges[agent.name], agent.name
+    shape = ranges.state_lower.shape
+    ctx.states[name] = ctx.builder.add_columns(
+        f"x_{name}", shape, ranges.state_lower, ranges.state_upper
+    )
+    ctx.inputs[name] = ctx.builder.add_columns(
+        f"u_{name}", ranges.input_lower.shape, ranges.input_lower, ranges.input_upper,
+        integer=agent.integer_inputs,
+    )  # fmt: skip
+
+
+def _add_dynamics(ctx: Context, agent: Agent) -> None:
+    """x(t+1) - A x(t) - B u(t) = drift, only over the nonzero entries; step-major."""
+    x, u = ctx.states[agent.name], ctx.inputs[agent.name]
+    steps, n = len(u), x.shape[1]
+    if steps == 0:
+        return
+    parts = [(np.eye(n), x[1:]), (-agent.dynamics.A, x[:-1]), (-agent.dynamics.B, u)]
+    offsets = np.arange(steps)[:, None] * n
+    rows, cols, values = [], [], []
+    for matrix, block in parts:
+        i, j = np.nonzero(matrix)
+        rows.append((offsets + i).ravel())
+        cols.append(block[:, j].ravel())
+        values.append(np.tile(matrix[i, j], steps))
+    drift = np.tile(agent.dynamics.drift, steps)
+    ctx.builder.add_rows(
+        f"dynamics_{agent.name}",
+        np.concatenate(rows), np.concatenate(cols), np.concatenate(values),
+        drift, drift, count=steps * n,
+    )  # fmt: skip
+
+
+def _add_polygon(ctx: Context, agent: Agent, bound: NormBound, block: Ints, upper: Floats) -> None:
+    """The paper's eq. (17): v_x sin(2 pi h / H) + v_y cos(2 pi h / H) <= offset, h = 1..H."""
+    if len(block) == 0:
+        return
+    inscribed = bound.kind is PolygonKind.INSCRIBED
+    offset = bound.limit * (np.cos(np.pi / bound.sides) if inscribed else 1.0)
+    normals = polygon_normals(bound.sides)
+    first, second = bound.indices
+    cols = np.repeat(block[:, [first, second]], bound.sides, axis=0)
+    values = np.tile(normals, (len(block), 1))
+    ctx.builder.add_dense_rows(f"norm_{agent.name}", cols, values, -np.inf, offset)
+
+
+def polygon_normals(sides: int) -> Floats:
+    """Unit normals (sides, 2), (sin, cos) of 2 pi h / sides for h = 1..sides; exact zeros."""
+    angles = 2 * np.pi * np.arange(1, sides + 1) / sides
+    normals = np.column_stack([np.sin(angles), np.cos(angles)])
+    normals[np.abs(normals) < 1e-14] = 0.0
+    return normals
+
+
+def _add_workspace(ctx: Context, agent: Agent) -> None:
+    """normals @ position <= offsets at t = 0..T; faces that the ranges imply are left out."""
+    workspace, position = ctx.mission.workspace, agent.dynamics.position
+    if workspace is None or position is None:
+        return
+    ranges, x = ctx.ranges[agent.name], ctx.states[agent.name]
+    for normal, offset in zip(workspace.normals, workspace.offsets, strict=True):
+        low, high = ranges.position_lower, ranges.position_upper
+        most = np.maximum(low * normal, high * normal).sum(axis=1)
+        steps = np.flatnonzero(most > offset + 1e-9)
+        if len(steps):
+            row = normal @ position
+            used = np.flatnonzero(row)
+            ctx.builder.add_dense_rows(
+                f"workspace_{agent.name}", x[np.ix_(steps, used)], row[used], -np.inf, offset
+            )

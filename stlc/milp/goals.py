@@ -1,0 +1,103 @@
+"""What robustness each requirement has to reach: its margin, and the objective's columns.
+
+A robustness objective over requirements R with scales s is one column rho with
+
+    rho <= robustness(r) / s   for r in R,       low <= rho <= high,
+
+low from the margins (every requirement holds), high the least static upper bound over R. `high` is
+what lets a solver stop as soon as it has found a run that reaches it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from stlc.errors import UsageError
+from stlc.milp.bounds import LinkBounds, static_bounds, unknown
+from stlc.milp.context import Ranges
+from stlc.mission import Mission, Requirement, TermKind
+
+Scales = tuple[tuple[str, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """One robustness column: of one requirement, or of all (`requirement` None)."""
+
+    requirement: str | None
+    scales: Scales
+    weight: float  # objective coefficient, negative: robustness is maximised
+    low: float
+    high: float
+
+    def scale(self, unit: str) -> float:
+        """What one unit of the column is worth in a predicate's unit."""
+        return dict(self.scales).get(unit, 1.0)
+
+    def covers(self, name: str) -> bool:
+        """Whether it speaks of that requirement."""
+        return self.requirement in (None, name)
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """What the predicates of one requirement must reach: `margin`, and every goal."""
+
+    margin: float
+    goals: tuple[Goal, ...] = ()
+
+    def ceiling(self, unit: str) -> float:
+        """No predicate of this unit is ever asked for more."""
+        return max([self.margin, *(g.high * g.scale(unit) for g in self.goals)])
+
+    def needs_margin(self, unit: str) -> bool:
+        """Whether the margin asks for more than every goal's lower end does."""
+        return all(g.low * g.scale(unit) < self.margin - 1e-9 for g in self.goals)
+
+
+def goals_of(
+    mission: Mission,
+    requirements: Sequence[Requirement],
+    ranges: Mapping[str, Ranges],
+    links: LinkBounds = unknown,
+) -> tuple[Goal, ...]:
+    """The robustness columns of the objective, with static ends; requirements are unrolled."""
+    weights: dict[tuple[str | None, Scales], float] = {}
+    for term in mission.objective:
+        if term.kind is TermKind.ROBUSTNESS:
+            if term.weight > 0:
+                raise UsageError("robustness can be maximised, not minimised")
+            key = (term.requirement, tuple(sorted(term.scales.items())))
+            weights[key] = weights.get(key, 0.0) + term.weight
+    return tuple(
+        _goal(name, scales, weight, requirements, ranges, links)
+        for (name, scales), weight in weights.items()
+        if weight < 0
+    )
+
+
+def _goal(
+    name: str | None,
+    scales: Scales,
+    weight: float,
+    requirements: Sequence[Requirement],
+    ranges: Mapping[str, Ranges],
+    links: LinkBounds,
+) -> Goal:
+    meant = [r for r in requirements if name in (None, r.name)]
+    bounds = static_bounds([r.formula for r in meant], ranges, dict(scales), links)
+    high = min((bounds[r.formula][1] for r in meant), default=math.inf)
+    low = min((_scaled_margin(r.margin, dict(scales)) for r in meant), default=0.0)
+    return Goal(name, scales, weight, low, max(low, high))
+
+
+def _scaled_margin(margin: float, scales: Mapping[str, float]) -> float:
+    used = [1.0, *scales.values()] if not scales else list(scales.values())
+    return margin / (max(used) if margin >= 0 else min(used))
+
+
+def level_of(requirement: Requirement, goals: Sequence[Goal]) -> Level:
+    """What the predicates of a requirement must reach."""
+    return Level(requirement.margin, tuple(g for g in goals if g.covers(requirement.name)))

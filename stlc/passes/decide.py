@@ -1,0 +1,104 @@
+"""Predicates that the ranges decide.
+
+At a requirement of margin m whose robustness is never asked to exceed c (the static upper bound of
+the objective's robustness columns, or m where there are none), over ranges in which mu lies in
+[low, high]:
+
+    mu >= 0  =  true    where low >= c            mu >= 0  =  false   where high < m
+    f        =  false   where the static upper bound of f is below m
+
+Predicates asserted outright narrow the ranges of their signals first, and so on to a fixed number
+of rounds: what must hold cuts the reach sets, which decides more predicates.
+
+Needs: unroll. Guarantees: the runs with robustness >= m are the same, and on them min(robustness,
+c) is the same; raises Unreachable where a requirement cannot reach its margin.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from stlc.ir.nodes import And, Const, Linear, Link, Node, Not, Or
+from stlc.ir.rewrite import postorder, with_children
+from stlc.ir.verify import Stage
+from stlc.milp.bounds import Interval, static_bounds, unit_of
+from stlc.milp.goals import Level, goals_of, level_of
+from stlc.milp.reach import reach
+from stlc.milp.unreachable import unreachable
+from stlc.mission import Requirement
+from stlc.passes.base import Pass, Program
+from stlc.passes.fold import fold
+
+_ROUNDS = 3
+_TOLERANCE = 1e-6  # a satisfied formula may miss its margin by this much
+
+
+def run(program: Program) -> Program:
+    """Decide predicates and narrow the ranges, in turns."""
+    for _ in range(_ROUNDS):
+        before = program
+        program = _decide(_narrow(program))
+        if program.formulas == before.formulas:
+            return program
+    return program
+
+
+def _narrow(program: Program) -> Program:
+    musts = [
+        (node, requirement.margin - _TOLERANCE)
+        for requirement in program.requirements
+        for node in _asserted(requirement.formula)
+    ]
+    return replace(program, ranges=reach(program.mission, musts))
+
+
+def _asserted(root: Node) -> list[Linear]:
+    found, todo = [], [root]
+    while todo:
+        node = todo.pop()
+        if isinstance(node, Linear):
+            found.append(node)
+        elif isinstance(node, And):
+            todo.extend(node.args)
+    return found
+
+
+def _decide(program: Program) -> Program:
+    links = program.link_bounds
+    goals = goals_of(program.mission, program.requirements, program.ranges, links)
+    bounds = static_bounds(program.formulas, program.ranges, None, links)
+    known: dict[Node, Node] = {}
+    formulas = []
+    for requirement in program.requirements:
+        level = level_of(requirement, goals)
+        formula = _decided(requirement, level, bounds, known)
+        if formula == Const(False):
+            raise unreachable(program.mission, requirement.name)
+        formulas.append(formula)
+    return program.with_formulas(formulas)
+
+
+def _decided(
+    requirement: Requirement,
+    level: Level,
+    bounds: Mapping[Node, Interval],
+    known: dict[Node, Node],
+) -> Node:
+    done: dict[Node, Node] = {}
+    for node in postorder([requirement.formula]):
+        low, high = bounds[node]
+        if high < requirement.margin - _TOLERANCE:
+            built: Node = Const(False, span=node.span)
+        elif isinstance(node, Linear | Link | Not):
+            free = low >= level.ceiling(unit_of(node))
+            built = Const(True, span=node.span) if free else node
+        elif isinstance(node, And | Or):
+            built = fold(with_children(node, [done[c] for c in node.children]))
+        else:
+            built = node
+        done[node] = known.setdefault(built, built)
+    return done[requirement.formula]
+
+
+PASS = Pass("decide", run, after=("unroll",), stage=Stage.STEPS, preserves="optima")
