@@ -39,7 +39,7 @@ from stlc.ir.nodes import (
 )
 
 Array = NDArray[np.float64]
-LinkEvaluator = Callable[[Link], Array]
+LinkEvaluator = Callable[[Link, bool], Array]
 
 TOLERANCE = 1e-6
 """A formula is satisfied when its robustness is at least its margin minus this."""
@@ -50,8 +50,10 @@ class Trace:
     """A sampled run.
 
     `length` steps; `signals[owner, role]` is (steps, width), indexed by `Signal.index` (inputs
-    have one row less than states). `link` gives the robustness of a link predicate at steps
-    0..length-1, its `shift` left out; None when the run has no radio.
+    have one row less than states). `link(predicate, positive)` gives the robustness of a link
+    predicate at steps 0..length-1, its `shift` left out; None when the run has no radio. What is
+    known as an interval is judged by its lower end where the predicate counts positively and by
+    its upper end under a negation, so that the robustness of the whole is a lower bound.
     """
 
     length: int
@@ -63,13 +65,22 @@ class Trace:
         return self.signals[signal.owner, signal.role][signal.shift :, signal.index]
 
 
-class Evaluator:
-    """Judges formulas on one run; what was judged is kept, so shared parts are judged once."""
+Judged = tuple[Node, bool]  # a node, and whether it counts positively
+Override = Callable[[Node], Array | None]
 
-    def __init__(self, trace: Trace) -> None:
+
+class Evaluator:
+    """Judges formulas on one run; what was judged is kept, so shared parts are judged once.
+
+    `override(node)` may give the robustness of a node in place of its definition (None: it
+    doesn't); it must depend on the node's structure and `swept` alone.
+    """
+
+    def __init__(self, trace: Trace, override: Override | None = None) -> None:
         self.trace = trace
+        self._override = override
         self._number: dict[tuple[object, ...], int] = {}  # structure -> class of equal nodes
-        self._class: dict[int, int] = {}  # id of a node -> its class
+        self._class: dict[tuple[int, bool], int] = {}  # id of a node, polarity -> its class
         self._values: list[Array] = []
         self._alive: list[Node] = []  # keeps the ids above valid
 
@@ -79,23 +90,40 @@ class Evaluator:
         Raises KeyError for a signal the run doesn't have, ValueError for a link predicate on a
         run without a radio.
         """
-        for part in _postorder(node, self._class):
-            self._judge(part)
-        return self._values[self._class[id(node)]]
+        for part, positive in _postorder((node, True), self._class):
+            self._judge(part, positive)
+        return self._values[self._class[id(node), True]]
 
-    def _judge(self, node: Node) -> None:
+    def _judge(self, node: Node, positive: bool) -> None:
         # Hash-consing on the way: equality of deep nodes is recursive, equality of classes isn't.
-        key = (
-            type(node),
-            *(self._class[id(k)] if isinstance(k, Node) else k for k in node.key),
-        )
+        parts = [self._class[id(child), sign] for child, sign in _parts(node, positive)]
+        own = tuple(k for k in node.key if not isinstance(k, Node))
+        key = (type(node), node.swept, own, *parts, isinstance(node, Link) and positive)
         number = self._number.get(key)
         if number is None:
-            parts = [self._values[self._class[id(child)]] for child in node.children]
             number = self._number[key] = len(self._values)
-            self._values.append(_value(node, parts, self.trace))
-        self._class[id(node)] = number
+            self._values.append(self._value(node, parts, positive))
+        self._class[id(node), positive] = number
         self._alive.append(node)
+
+    def _value(self, node: Node, parts: list[int], positive: bool) -> Array:
+        given = self._override(node) if self._override else None
+        if given is not None:
+            return given
+        return _value(node, [self._values[k] for k in parts], self.trace, positive)
+
+
+def _parts(node: Node, positive: bool) -> tuple[Judged, ...]:
+    """What the value of a node is made of: sub-formulas, each with its polarity."""
+    match node:
+        case Not(arg=arg):
+            return ((arg, not positive),)
+        case Implies(left=left, right=right):
+            return ((left, not positive), (right, positive))
+        case Iff(left=left, right=right):
+            return tuple((x, sign) for sign in (positive, not positive) for x in (left, right))
+        case _:
+            return tuple((child, positive) for child in node.children)
 
 
 def robustness(node: Node, trace: Trace) -> Array:
@@ -108,28 +136,28 @@ def satisfaction(node: Node, trace: Trace, margin: float = 0.0) -> NDArray[np.bo
     return robustness(node, trace) >= margin - TOLERANCE
 
 
-def _postorder(root: Node, done: Mapping[int, int]) -> Iterator[Node]:
-    """Nodes not in `done`, children first, without recursion."""
-    todo: list[tuple[Node, bool]] = [(root, False)]
+def _postorder(root: Judged, done: Mapping[tuple[int, bool], int]) -> Iterator[Judged]:
+    """Parts not in `done`, children first, without recursion."""
+    todo: list[tuple[Judged, bool]] = [(root, False)]
     while todo:
-        node, expanded = todo.pop()
-        if id(node) in done:
+        judged, expanded = todo.pop()
+        if (id(judged[0]), judged[1]) in done:
             continue
         if expanded:
-            yield node
+            yield judged
             continue
-        todo.append((node, True))
-        todo.extend((child, False) for child in node.children)
+        todo.append((judged, True))
+        todo.extend((part, False) for part in _parts(*judged))
 
 
-def _value(node: Node, parts: list[Array], trace: Trace) -> Array:
+def _value(node: Node, parts: list[Array], trace: Trace, positive: bool) -> Array:
     match node:
         case Const(value=value):
             return np.full(trace.length, np.inf if value else -np.inf)
         case Linear():
             return _linear(node, trace)
         case Link():
-            return _link(node, trace)
+            return _link(node, trace, positive)
         case Timed():
             return _timed(node, parts)
         case Always(start=a, end=b):
@@ -156,8 +184,10 @@ def _boolean(node: Node, parts: list[Array], length: int) -> Array:
             left, right = _aligned(*parts)
             return np.asarray(np.maximum(-left, right))
         case Iff():
-            left, right = _aligned(*parts)
-            return np.asarray(np.minimum(np.maximum(-left, right), np.maximum(-right, left)))
+            left, right, not_left, not_right = (p[: min(map(len, parts))] for p in parts)
+            return np.asarray(
+                np.minimum(np.maximum(-not_left, right), np.maximum(-not_right, left))
+            )
         case _:
             raise TypeError(f"no semantics for {type(node).__name__}")
 
@@ -176,10 +206,10 @@ def _linear(node: Linear, trace: Trace) -> Array:
     return total
 
 
-def _link(node: Link, trace: Trace) -> Array:
+def _link(node: Link, trace: Trace, positive: bool) -> Array:
     if trace.link is None:
         raise ValueError(f"the run has no radio to judge {node.quantity.value} on")
-    return trace.link(node)[node.shift :]
+    return trace.link(node, positive)[node.shift :]
 
 
 def _timed(node: Timed, parts: list[Array]) -> Array:

@@ -9,6 +9,8 @@ from stlc.ir.nodes import (
     And,
     Const,
     Eventually,
+    Iff,
+    Implies,
     Linear,
     Link,
     Not,
@@ -84,10 +86,22 @@ def test_satisfaction_has_margin_and_tolerance():
 
 def test_link_is_shifted_and_needs_a_radio():
     link = Link("radio", Quantity.RSSI, "a", "b", Relation.AT_LEAST, -70.0, shift=1)
-    trace = Trace(3, {}, lambda node: np.array([1.0, 2.0, 3.0]))
+    trace = Trace(3, {}, lambda node, positive: np.array([1.0, 2.0, 3.0]))
     assert robustness(link, trace).tolist() == [2.0, 3.0]
     with pytest.raises(ValueError, match="no radio"):
         robustness(link, Trace(3))
+
+
+def test_intervals_are_judged_by_the_end_that_counts():
+    link = Link("radio", Quantity.RSSI, "a", "b", Relation.AT_LEAST, -70.0)
+    low, high = np.array([-1.0, 2.0]), np.array([1.0, 3.0])
+    trace = Trace(2, {}, lambda node, positive: low if positive else high)
+    assert robustness(link, trace).tolist() == [-1.0, 2.0]
+    assert robustness(Not(link), trace).tolist() == [-1.0, -3.0]
+    assert robustness(Not(Not(link)), trace).tolist() == [-1.0, 2.0]
+    assert robustness(Implies(link, Const(False)), trace).tolist() == [-1.0, -3.0]
+    assert robustness(Iff(link, Const(True)), trace).tolist() == [-1.0, 2.0]
+    assert robustness(Iff(link, Const(False)), trace).tolist() == [-1.0, -3.0]
 
 
 def test_depth_and_sharing():
