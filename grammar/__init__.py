@@ -22,6 +22,8 @@ class Rule:
     size: int
     callback: str | None
     plan: tuple[int, ...]
+    is_step: bool  # `sum: product`: nothing is built
+    is_sequel: bool  # part of a repetition, spliced into the rule that repeats
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,12 +43,18 @@ def grammar_text() -> str:
     return (_FOLDER / "stl.lark").read_text(encoding="utf-8")
 
 
+def _rule(left: str, size: int, callback: str | None, plan: list[int]) -> Rule:
+    is_sequel = left.startswith("_")
+    is_step = callback is None and not is_sequel and size == 1 and plan == [0]
+    return Rule(left, size, callback, tuple(plan), is_step, is_sequel)
+
+
 @cache
 def tables() -> Tables:
     """The compiled grammar (`python -m stlc.grammar.build` makes it)."""
     data = json.loads((_FOLDER / "tables.json").read_text(encoding="utf-8"))
     return Tables(
-        rules=tuple(Rule(a, n, callback, tuple(plan)) for a, n, callback, plan in data["rules"]),
+        rules=tuple(_rule(*row) for row in data["rules"]),
         actions=tuple(data["actions"]),
         gotos=tuple(data["gotos"]),
         start=data["start"],

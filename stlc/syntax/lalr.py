@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Final
 
-from stlc.grammar import Tables, tables
+from stlc.grammar import Rule, Tables, tables
 from stlc.syntax.tokens import Token
 
 MAX_DEPTH: Final = 200  # levels of the tree, so that every later stage may recurse
@@ -32,8 +33,8 @@ class TooDeep:
 
 def run(tokens: Sequence[Token], builders: Mapping[str, Builder]) -> Any | Stuck | TooDeep:
     """The node of one statement. `builders[callback](start, end, children)` makes nodes."""
-    table = tables()
-    stack = _Stack(table, builders)
+    stack = _Stack(tables(), builders)
+    outcome: Stuck | TooDeep | None
     for index, token in enumerate(tokens):
         outcome = stack.feed(token, token.kind, index)
         if outcome is not None:
@@ -43,14 +44,30 @@ def run(tokens: Sequence[Token], builders: Mapping[str, Builder]) -> Any | Stuck
     return stack.values[-1] if outcome is None else outcome
 
 
+@cache
+def _climbs() -> dict[tuple[int, int, str], tuple[int, int | None]]:
+    """Memory of `_climb`: (state below, state, terminal) to (state, action) at the top."""
+    return {}
+
+
+def _climb(table: Tables, below: int, state: int, kind: str) -> tuple[int, int | None]:
+    """State and action once all steps of the precedence ladder (`sum: product`) are taken."""
+    while True:
+        action = table.actions[state].get(kind)
+        if action is None or action >= 0 or not table.rules[-1 - action].is_step:
+            return state, action
+        state = table.gotos[below][table.rules[-1 - action].left]
+
+
 class _Stack:
     """The four parallel stacks of a run: states, values, first characters, depths."""
 
-    __slots__ = ("builders", "depths", "end", "starts", "states", "table", "values")
+    __slots__ = ("builders", "climbs", "depths", "end", "starts", "states", "table", "values")
 
     def __init__(self, table: Tables, builders: Mapping[str, Builder]) -> None:
         self.table = table
         self.builders = builders
+        self.climbs = _climbs()
         self.states = [table.start]
         self.values: list[Any] = []
         self.starts: list[int] = []
@@ -59,19 +76,27 @@ class _Stack:
 
     def feed(self, token: Token, kind: str, index: int) -> Stuck | TooDeep | None:
         """Reduce as long as the table says so, then shift the token."""
-        actions, states = self.table.actions, self.states
-        while True:
-            if states[-1] == self.table.end and kind == "$END":
+        states, climbs = self.states, self.climbs
+        while len(states) > 1:
+            below, state = states[-2], states[-1]
+            if state == self.table.end and kind == "$END":
                 return None
-            action = actions[states[-1]].get(kind)
+            found = climbs.get((below, state, kind))
+            if found is None:
+                found = climbs[below, state, kind] = _climb(self.table, below, state, kind)
+            states[-1], action = found
             if action is None:
                 return Stuck(states[-1], index)
             if action >= 0:
                 self._shift(token, action)
                 return None
-            depth = self._reduce(-1 - action)
-            if depth > MAX_DEPTH:
+            if self._reduce(self.table.rules[-1 - action]) > MAX_DEPTH:
                 return TooDeep(self.starts[-1], self.end)
+        first = self.table.actions[self.table.start].get(kind)
+        if first is None:
+            return Stuck(self.table.start, index)
+        self._shift(token, first)
+        return None
 
     def _shift(self, token: Token, state: int) -> None:
         self.states.append(state)
@@ -80,31 +105,21 @@ class _Stack:
         self.depths.append(0)
         self.end = token.end
 
-    def _reduce(self, number: int) -> int:
-        rule = self.table.rules[number]
-        size = rule.size
-        states = self.states
-        if size == 1 and rule.callback is None and rule.plan == (0,):
-            states[-1] = self.table.gotos[states[-2]][rule.left]
-            return 0  # a step of the precedence ladder: value, place and depth stay
-        children: list[Any] = []
-        values = self.values[-size:]
-        for position in rule.plan:
-            children.append(None if position < 0 else values[position])
-        return self._replace(rule.left, rule.callback, size, children)
-
-    def _replace(self, left: str, callback: str | None, size: int, children: list[Any]) -> int:
-        start, depth = self.starts[-size], max(self.depths[-size:])
+    def _reduce(self, rule: Rule) -> int:
+        size, values = rule.size, self.values
+        base = len(values) - size
+        children = [values[base + k] if k >= 0 else None for k in rule.plan]
+        start = self.starts[base]
+        depth: int = max(self.depths[base:])
         value: Any
-        if callback is None:
-            value = _splice(children) if left.startswith("_") else children[0]
-        else:
-            value = self.builders[callback](start, self.end, _splice(children))
+        if rule.callback is not None:
+            value = self.builders[rule.callback](start, self.end, _splice(children))
             depth += 1
-        for stack in (self.states, self.values, self.starts, self.depths):
-            del stack[-size:]
-        self.states.append(self.table.gotos[self.states[-1]][left])
-        self.values.append(value)
+        else:
+            value = _splice(children) if rule.is_sequel else children[0]
+        del values[base:], self.starts[base:], self.depths[base:], self.states[base + 1 :]
+        self.states.append(self.table.gotos[self.states[-1]][rule.left])
+        values.append(value)
         self.starts.append(start)
         self.depths.append(depth)
         return depth
@@ -116,13 +131,11 @@ class Sequel(list[Any]):
 
 def _splice(children: list[Any]) -> list[Any]:
     """Children with repetitions laid flat; a repetition that grows is reused, so it is linear."""
-    if children and isinstance(children[0], Sequel):
-        flat = children[0]
-        rest = children[1:]
-    else:
-        flat, rest = Sequel(), children
-    for child in rest:
-        if isinstance(child, Sequel):
+    if not any(type(child) is Sequel for child in children):
+        return Sequel(children)
+    flat = children[0] if type(children[0]) is Sequel else Sequel(children[:1])
+    for child in children[1:]:
+        if type(child) is Sequel:
             flat.extend(child)
         else:
             flat.append(child)
