@@ -8,12 +8,10 @@ that the others make superfluous are dropped.
 
 from __future__ import annotations
 
-from itertools import product
-
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.milp.model import Floats, Ints
+from stlc.milp.model import Ints
 
 Bools = NDArray[np.bool_]
 
@@ -30,7 +28,7 @@ def cover(allowed: Bools, most: int) -> Ints | None:
     inside = _summed(allowed)
     found: list[Ints] = []
     while open_.any():
-        grown = _grow(inside, _summed(open_), _seeds(open_), allowed.shape)
+        grown = _grow(inside, _summed(open_), _seeds(open_))
         for box in _best(grown, open_):
             found.append(box)
             open_[_slices(box)] = False
@@ -40,6 +38,15 @@ def cover(allowed: Bools, most: int) -> Ints | None:
     return boxes if len(boxes) <= most else None
 
 
+def clipped(boxes: Ints, first: Ints, shape: tuple[int, ...]) -> Ints:
+    """Boxes cut to the window that starts at `first` (d,), counted from there; none superfluous."""
+    low = np.maximum(boxes[:, 0::2] - first, 0)
+    high = np.minimum(boxes[:, 1::2] - first, np.array(shape) - 1)
+    meets = (low <= high).all(axis=1)
+    cut = np.stack([low[meets], high[meets]], axis=2).reshape(-1, 2 * len(shape))
+    return _needed(list(cut), shape)
+
+
 def _seeds(open_: Bools) -> Ints:
     """Up to SEEDS open tuples (S, d), evenly spread in index order."""
     flat = np.flatnonzero(open_)
@@ -47,36 +54,28 @@ def _seeds(open_: Bools) -> Ints:
     return np.stack(np.unravel_index(chosen, open_.shape), axis=1).astype(np.int64)
 
 
-def _grow(inside: Floats, open_: Floats, seeds: Ints, shape: tuple[int, ...]) -> Ints:
+def _grow(inside: Ints, open_: Ints, seeds: Ints) -> Ints:
     """Boxes (S, 2 d) grown to maximal ones within the set."""
-    low, high = seeds.copy(), seeds.copy()
-    axes = len(shape)
-    every = np.arange(len(seeds))
-    alive = np.ones(len(seeds), bool)
-    while alive.any():
-        gains = np.full((2 * axes, len(seeds)), -1.0)
-        for side in range(2 * axes):
-            new_low, new_high = _extended(low, high, side)
-            fits = alive & (new_low >= 0).all(axis=1) & (new_high < shape).all(axis=1)
-            a, b = new_low[fits], new_high[fits]
-            full = _count(inside, a, b) == np.prod(b - a + 1, axis=1)
-            gains[side, every[fits][full]] = _count(open_, a[full], b[full])
-        side_of = gains.argmax(axis=0)
-        alive = gains[side_of, every] >= 0
-        axis = side_of // 2
-        low[every, axis] -= alive & (side_of % 2 == 0)
-        high[every, axis] += alive & (side_of % 2 == 1)
-    return _boxes(low, high)
-
-
-def _extended(low: Ints, high: Ints, side: int) -> tuple[Ints, Ints]:
-    """The boxes one longer towards the lower (even side) or upper end of axis side // 2."""
-    new_low, new_high = low.copy(), high.copy()
-    if side % 2 == 0:
-        new_low[:, side // 2] -= 1
-    else:
-        new_high[:, side // 2] += 1
-    return new_low, new_high
+    axes = seeds.shape[1]
+    shape = np.array(inside.shape) - 1
+    sides, every = np.arange(2 * axes), np.arange(len(seeds))
+    corners = np.stack([seeds, seeds + 1], axis=2)  # (S, d, 2): half-open low and high
+    outwards = np.zeros((2 * axes, axes, 2), np.int64)
+    outwards[sides, sides // 2, sides % 2] = np.where(sides % 2, 1, -1)
+    while True:
+        wider = corners[None] + outwards[:, None]
+        fits = (wider[..., 0] >= 0).all(axis=2) & (wider[..., 1] <= shape).all(axis=2)
+        wider = np.clip(wider, 0, shape[:, None])
+        volume = np.prod(wider[..., 1] - wider[..., 0], axis=2)
+        fits &= _count(inside, wider) == volume
+        gains = np.where(fits, _count(open_, wider), -1)
+        side = gains.argmax(axis=0)
+        grows = gains[side, every] >= 0
+        if not grows.any():
+            break
+        corners[grows] += outwards[side[grows]]
+    corners[:, :, 1] -= 1
+    return corners.reshape(len(seeds), -1)
 
 
 def _best(grown: Ints, open_: Bools) -> list[Ints]:
@@ -107,26 +106,26 @@ def _needed(found: list[Ints], shape: tuple[int, ...]) -> Ints:
     return np.array(kept, np.int64).reshape(len(kept), 2 * len(shape))
 
 
-def _summed(mask: Bools) -> Floats:
+def _summed(mask: Bools) -> Ints:
     """Summed-area table, one longer on every axis."""
-    table = np.pad(mask.astype(np.float64), [(1, 0)] * mask.ndim)
+    table = np.pad(mask.astype(np.int64), [(1, 0)] * mask.ndim)
     for axis in range(mask.ndim):
         table = table.cumsum(axis=axis)
     return table
 
 
-def _count(summed: Floats, low: Ints, high: Ints) -> Floats:
-    """Members within the boxes low .. high (S, d), by inclusion and exclusion."""
-    total = np.zeros(len(low))
-    corners = (high + 1, low)
-    for choice in product((0, 1), repeat=low.shape[1]):
-        index = tuple(corners[c][:, axis] for axis, c in enumerate(choice))
-        total += (-1.0) ** sum(choice) * summed[index]
-    return total
-
-
-def _boxes(low: Ints, high: Ints) -> Ints:
-    return np.stack([low, high], axis=2).reshape(len(low), -1)
+def _count(summed: Ints, corners: Ints) -> Ints:
+    """Members within half-open boxes (..., d, 2), by inclusion and exclusion."""
+    axes = summed.ndim
+    strides = np.array(summed.strides) // summed.itemsize
+    flat = corners * strides[:, None]
+    index = flat[..., 0, :]
+    for axis in range(1, axes):
+        index = (index[..., :, None] + flat[..., axis, None, :]).reshape(*index.shape[:-1], -1)
+    signs = np.array([1], np.int64)
+    for _ in range(axes):
+        signs = np.kron(signs, [-1, 1])
+    return np.asarray(summed.ravel()[index] @ signs)
 
 
 def _slices(box: Ints) -> tuple[slice, ...]:

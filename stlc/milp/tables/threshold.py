@@ -20,37 +20,38 @@ everything allowed leaves z free.
 
 from __future__ import annotations
 
+from math import prod
+
 import numpy as np
 
 from stlc.milp.context import Context
 from stlc.milp.model import Ints
 from stlc.milp.tables.cells import join_boxes, ordered_axes
-from stlc.milp.tables.cover import Bools, cover
+from stlc.milp.tables.cover import Bools, clipped, cover
 from stlc.milp.tables.link import Link
 from stlc.milp.tables.pairs import existing_pair_columns, pair_columns
 from stlc.milp.tables.simplex import Kind
+from stlc.milp.tables.spans import Spans
 
-BOXES = 400
-"""Covers with more boxes than this, or than a quarter of the cell pairs, use pair columns."""
+BOXES = 4000
+"""A cover of the whole table with more boxes than this, or at a step with more than a quarter
+of its cell pairs, gives way to pair columns."""
 
 
 def literal(ctx: Context, link: Link, allowed: Bools) -> int:
     """The literal's column (memoised); `allowed` covers all cells, one axis a moving end."""
     if not link.ends:
-        return int(
-            ctx.builder.add_columns(link.name("linked"), (1,), 0.0, float(allowed), integer=True)[0]
-        )
-    seen = link.reachable(ctx, allowed)
-    key = (*link.key("literal"), seen.tobytes())
+        return _column(ctx, link, float(allowed))
+    key = (*link.key("literal"), link.reachable(ctx, allowed).tobytes())
     if key not in ctx.memo:
-        ctx.memo[key] = _literal(ctx, link, seen)
+        ctx.memo[key] = _literal(ctx, link, allowed)
     return int(ctx.memo[key])
 
 
 def _literal(ctx: Context, link: Link, allowed: Bools) -> int:
-    upper = float(allowed.any())
-    column = int(ctx.builder.add_columns(link.name("linked"), (1,), 0.0, upper, integer=True)[0])
-    if allowed.all() or not allowed.any():
+    seen = link.reachable(ctx, allowed)
+    column = _column(ctx, link, float(seen.any()))
+    if seen.all() or not seen.any():
         return column
     pairs = existing_pair_columns(ctx, link)
     if pairs is None:
@@ -59,28 +60,42 @@ def _literal(ctx: Context, link: Link, allowed: Bools) -> int:
             _by_boxes(ctx, link, column, boxes)
             return column
         pairs = pair_columns(ctx, link, Kind.ORDERED)
-    _by_pairs(ctx, link, column, pairs, allowed)
+    _by_pairs(ctx, link, column, pairs, seen)
     return column
 
 
+def _column(ctx: Context, link: Link, upper: float) -> int:
+    return int(ctx.builder.add_columns(link.name("linked"), (1,), 0.0, upper, integer=True)[0])
+
+
 def index_boxes(ctx: Context, link: Link, allowed: Bools) -> Ints | None:
-    """Cover of the allowed cells by index boxes (K, 4 an end), None when it is large."""
+    """Cover of the allowed cells in reach by index boxes (K, 4 an end), None when it is large.
+
+    The whole table is covered once and the boxes are cut to the intervals in reach.
+    """
+    key = ("tables.cover", link.spans.key, allowed.tobytes(), len(link.ends))
+    if key not in ctx.memo:
+        ctx.memo[key] = cover(_on_intervals(link.spans, allowed), BOXES)
+    boxes: Ints | None = ctx.memo[key]
+    if boxes is None:
+        return None
     regions = [place.reach(ctx) for place in link.places]
-    shape = tuple(m for r in regions for m in r.shape)
-    expanded = allowed
-    for end, region in enumerate(regions):
-        expanded = np.moveaxis(expanded, end, -1)[..., _owner(region.spans, region.shape)]
-        expanded = np.moveaxis(expanded, -1, end)
-    most = BOXES if len(regions) == 1 else min(BOXES, allowed.size // 4)
-    return cover(expanded.reshape(shape), most)
+    first = np.array([f for r in regions for f in r.first])
+    cut = clipped(boxes, first, tuple(m for r in regions for m in r.shape))
+    return cut if len(link.ends) == 1 or 4 * len(cut) <= prod(link.shape(ctx)) else None
 
 
-def _owner(spans: Ints, shape: tuple[int, int]) -> Ints:
-    """Which cell holds each interval pair, flattened (m_x m_y,)."""
+def _on_intervals(spans: Spans, allowed: Bools) -> Bools:
+    """The allowed set over interval indices (m_x, m_y) an end instead of cells.
+
+    Intervals in no cell count as some cell: no agent can be there.
+    """
+    shape = (len(spans.edges[0]) - 1, len(spans.edges[1]) - 1)
     owner = np.zeros(shape, np.int64)
-    for cell, (x_first, x_last, y_first, y_last) in enumerate(spans):
+    for cell, (x_first, x_last, y_first, y_last) in enumerate(spans.spans):
         owner[x_first : x_last + 1, y_first : y_last + 1] = cell
-    return owner.ravel()
+    ends = allowed.ndim
+    return allowed[np.ix_(*[owner.ravel()] * ends)].reshape(shape * ends)
 
 
 def _by_boxes(ctx: Context, link: Link, column: int, boxes: Ints) -> None:
