@@ -20,6 +20,7 @@ TEMPORAL: Final = frozenset({"ALWAYS", "EVENTUALLY", "NEXT", "UNTIL", "RELEASE"}
 BINARY: Final = frozenset(
     {"UNTIL", "RELEASE", "AND", "OR", "IMPLIES", "IFF", "IN", "OUTSIDE", "SWEPT"}
 )
+_CONNECTIVES: Final = frozenset({"AND", "OR", "IMPLIES", "IFF"})
 QUANTIFIERS: Final = frozenset({"FORALL", "EXISTS", "SUM"})
 SHAPED: Final = frozenset({"ST_WORKSPACE", "ST_REGION", "ST_OBSTACLE"})
 _NAMED: Final = frozenset(
@@ -266,6 +267,8 @@ class _Context:
             return long or self._hugs(after)
         if after.text in ("-", "−"):
             return long
+        if long and (after.kind == "$END" or word_terminals().get(after.text) in _CONNECTIVES):
+            return word_terminals().get(self._peek(2).text) not in BINARY
         return self._begins_operand(after, self._peek(2))
 
     def _hugs(self, bar: Token) -> bool:
@@ -310,6 +313,9 @@ class _Context:
             self._close(token)
         elif text in ("|", "||"):
             self._bar(token)
+        elif text[0] == "[" and self._last in TEMPORAL and self.out[-1].text.isalpha():
+            self._emit("IVL", Token(SYMBOL, "[", token.start, token.start + 1), operand=False)
+            self._emit("RSQB", Token(SYMBOL, "]", token.end - 1, token.end), operand=False)
         elif text == "{":
             self.frames.append("M" if self._last == "MOVING" else "{")
             self._emit("LBRACE", token, operand=False)
@@ -335,7 +341,8 @@ class _Context:
             self.frames.append("I")
             self._emit("IVL", token, operand=False)
         else:
-            indexed = self.operand and self._last in (NAME, "RSQB", "RPAR") and not apart
+            joined = self._last in (NAME, "RPAR") or (self._last == "RSQB" and not blank)
+            indexed = self.operand and joined and not apart
             self.frames.append("[")
             self._emit("INDEX" if indexed else "LSQB", token, operand=False)
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 from stlc.grammar import Rule, Tables, tables
 from stlc.syntax.tokens import Token
@@ -13,6 +13,12 @@ from stlc.syntax.tokens import Token
 MAX_DEPTH: Final = 200  # levels of the tree, so that every later stage may recurse
 
 Builder = Callable[[int, int, list[Any]], Any]
+
+
+class Builders(Protocol):
+    """Finds the builder of a callback."""
+
+    def __getitem__(self, name: str, /) -> Builder: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +37,7 @@ class TooDeep:
     end: int
 
 
-def run(tokens: Sequence[Token], builders: Mapping[str, Builder]) -> Any | Stuck | TooDeep:
+def run(tokens: Sequence[Token], builders: Builders) -> Any | Stuck | TooDeep:
     """The node of one statement. `builders[callback](start, end, children)` makes nodes."""
     stack = _Stack(tables(), builders)
     outcome: Stuck | TooDeep | None
@@ -64,7 +70,7 @@ class _Stack:
 
     __slots__ = ("builders", "climbs", "depths", "end", "starts", "states", "table", "values")
 
-    def __init__(self, table: Tables, builders: Mapping[str, Builder]) -> None:
+    def __init__(self, table: Tables, builders: Builders) -> None:
         self.table = table
         self.builders = builders
         self.climbs = _climbs()

@@ -16,7 +16,7 @@ from stlc.syntax.lalr import MAX_DEPTH, Builder, Stuck, TooDeep, run
 from stlc.syntax.screen import oversized, stray
 from stlc.syntax.split import Chunk, split, statement_words
 from stlc.syntax.tokens import BAD, COMMENT, NAME, STRING, Token, tokenize
-from stlc.syntax.trouble import Trouble, explain
+from stlc.syntax.trouble import Explained, Trouble, explain
 
 MAX_MISTAKES: Final = 50
 
@@ -115,14 +115,13 @@ class _Parser:
             case _:
                 self.statements.append(outcome)
 
-    def _recover(self, found: tuple[Diagnostic, list[Token], list[Token]]) -> None:
+    def _recover(self, explained: Explained) -> None:
         """Report the mistake; go on with the parts before and after a line that is alien."""
-        mistake, before, after = found
-        if before:
-            self._statement(before)
-        self.mistakes.append(mistake)
-        if after:
-            self._statement(after)
+        if explained.before:
+            self._statement(list(explained.before))
+        self.mistakes.append(explained.mistake)
+        if explained.after:
+            self._statement(list(explained.after))
 
 
 def _closed(token: Token) -> bool:
