@@ -23,15 +23,23 @@ _BUILT_IN = {
     "scip": "scip:Scip",
     "gurobi": "gurobi:Gurobi",
 }
+_EXTERNAL = ("", "cbc", "glpsol", "scip", "highs", "cplex", "gurobi_cl", "fscip")
+_ALIASES = {"cbc": "mip"}
 
 
 def names() -> tuple[str, ...]:
     """Names of every backend known here, built-in ones first, whether installed or not."""
-    return (*_BUILT_IN, *sorted(set(_plugins()) - set(_BUILT_IN)))
+    own = (*_BUILT_IN, *map(_external_name, _EXTERNAL))
+    return (*own, *sorted(set(_plugins()) - set(own)))
 
 
 def get(name: str) -> Backend:
     """The backend of that name; SolverError for an unknown name or a plugin that cannot load."""
+    name = _ALIASES.get(name, name)
+    if name in map(_external_name, _EXTERNAL):
+        from stlc.backends.external import external
+
+        return external(name.removeprefix("external").removeprefix("-"))
     if name in _BUILT_IN:
         module, attribute = _BUILT_IN[name].split(":")
         return cast(Backend, getattr(import_module(f"{__name__}.{module}"), attribute)())
@@ -39,6 +47,10 @@ def get(name: str) -> Backend:
     if plugin is None:
         raise SolverError(f"there is no backend '{name}'; known: {', '.join(names())}")
     return _load(plugin)
+
+
+def _external_name(template: str) -> str:
+    return f"external-{template}" if template else "external"
 
 
 def _plugins() -> dict[str, EntryPoint]:

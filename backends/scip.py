@@ -23,7 +23,7 @@ from stlc.backends.support import (
 from stlc.errors import SolverError
 from stlc.milp.model import Model
 from stlc.milp.writers.mps import mps_bytes
-from stlc.milp.writers.names import plain_names
+from stlc.milp.writers.names import plain_texts
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +89,7 @@ def _loaded(model: Model) -> Any:
     scip.hideOutput()
     with tempfile.TemporaryDirectory(prefix="stlc-") as folder:
         path = Path(folder) / "model.mps"
-        path.write_bytes(mps_bytes(model, *plain_names(model)))
+        path.write_bytes(mps_bytes(model, *plain_texts(model)))
         scip.readProblem(str(path))
     return scip
 
@@ -97,7 +97,7 @@ def _loaded(model: Model) -> Any:
 def _columns(scip: Any, model: Model) -> list[Any]:
     """SCIP's variables in our order (the column of the constant, if any, is left out)."""
     by_name = {v.name: v for v in scip.getVars()}
-    return [by_name[name] for name in plain_names(model)[0]]
+    return [by_name[f"c{j}"] for j in range(model.columns)]
 
 
 def _configure(scip: Any, options: SolveOptions) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 import warnings
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 from stlc.backends.base import Capability, Solution, SolveOptions, Status
 from stlc.backends.support import (
@@ -71,7 +71,7 @@ class ScipyMilp:
 def _run(model: Model, options: SolveOptions) -> Any:
     from scipy.optimize import Bounds, LinearConstraint, milp
 
-    settings: dict[str, object] = {"mip_rel_gap": options.gap, **options.extra}
+    settings: dict[str, Any] = {"mip_rel_gap": options.gap, **options.extra}
     if options.time_limit is not None:
         settings["time_limit"] = options.time_limit
     rows = [LinearConstraint(model.A, model.row_lower, model.row_upper)] if model.rows else []
@@ -82,7 +82,7 @@ def _run(model: Model, options: SolveOptions) -> Any:
             integrality=model.integrality,
             bounds=Bounds(model.col_lower, model.col_upper),
             constraints=rows,
-            options=settings,
+            options=cast(Any, settings),
         )
 
 

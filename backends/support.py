@@ -6,6 +6,7 @@ import importlib.util
 import os
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -26,6 +27,7 @@ from stlc.backends.base import (
 from stlc.errors import SolverError
 from stlc.milp.model import Model
 
+_PAUSE = 0.1  # s between two reports without an incumbent
 _POLL = 0.05  # s between two looks at `should_stop`
 
 
@@ -87,6 +89,8 @@ def trivial(backend: Backend, model: Model, options: SolveOptions) -> Solution |
 
 def infeasible_or_unbounded(backend: Backend, model: Model, options: SolveOptions) -> Status:
     """Tell the two apart for solvers that cannot: solve again without the objective."""
+    if not model.c.any():
+        return Status.INFEASIBLE
     quiet = replace(options, on_progress=None)
     free = replace(model, c=np.zeros(model.columns), offset=0.0)
     match backend.solve(free, quiet).status:
@@ -145,6 +149,7 @@ class Worker:
 
     options: SolveOptions
     _events: SimpleQueue[Progress | None] = field(default_factory=SimpleQueue)
+    _last: float = float("-inf")
     _stop: threading.Event = field(default_factory=threading.Event)
 
     def stopping(self) -> bool:
@@ -152,9 +157,14 @@ class Worker:
         return self._stop.is_set()
 
     def report(self, progress: Progress) -> None:
-        """Hand one report to the caller's thread."""
-        if self.options.on_progress is not None:
-            self._events.put(progress)
+        """Hand one report to the caller's thread: every incumbent, the rest ten times a second."""
+        if self.options.on_progress is None:
+            return
+        now = time.monotonic()
+        if progress.incumbent is None and now - self._last < _PAUSE:
+            return
+        self._last = now
+        self._events.put(progress)
 
     def run(self, work: Callable[[], None], cancel: Callable[[], None] | None = None) -> None:
         """Run `work` to its end; `cancel` is called once when it has to stop."""

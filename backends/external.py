@@ -1,0 +1,213 @@
+"""Any solver with a command line: reads our MPS, writes a solution file, prints its verdict."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import shutil
+import subprocess
+import tempfile
+import time
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+
+from stlc.backends import cbc_log
+from stlc.backends.base import Capability, Floats, Solution, SolveOptions, Status
+from stlc.backends.support import (
+    claimed_bound,
+    ignored,
+    infeasible_or_unbounded,
+    require,
+    trivial,
+)
+from stlc.backends.templates import CUSTOM, TEMPLATES, Files, Template
+from stlc.errors import NoPlanError, SolverError, UsageError
+from stlc.milp.model import Model
+from stlc.milp.readers import read_solution
+from stlc.milp.writers.mps import mps_chunks
+from stlc.milp.writers.names import plain_texts
+
+_GRACE = 30.0  # s that a solver may overrun its own time limit before it is terminated
+
+
+@dataclass(frozen=True, slots=True)
+class External:
+    """One command. `executable` overrides the search on PATH."""
+
+    template: Template
+    executable: str | None = None
+    capabilities: Capability = field(init=False)
+
+    def __post_init__(self) -> None:
+        always = Capability.EXTRA | Capability.CANCEL | Capability.TIME_LIMIT
+        object.__setattr__(self, "capabilities", self.template.capabilities | always)
+
+    @property
+    def name(self) -> str:
+        """`external-cbc` and so on; `external` for a command of one's own."""
+        return f"external-{self.template.name}" if self.template.name else "external"
+
+    def available(self) -> str | None:
+        """None when the command is found (always for one's own, which `extra` names)."""
+        if not self.template.binary or self._found():
+            return None
+        return f"the command '{self.template.binary}' is not on PATH; {self.template.install}"
+
+    def version(self) -> str:
+        """What the command says about itself, or its name."""
+        return _version(self._found() or "", self.template)
+
+    def solve(self, model: Model, options: SolveOptions) -> Solution:
+        """Minimise. `extra`: `executable`, `arguments` (more of them), or `command` of one's own,
+        such as 'mysolver {mps} {solution}'. SolverError when it fails or writes nonsense."""
+        require(self)
+        if (answer := trivial(self, model, options)) is not None:
+            return answer
+        began = time.perf_counter()
+        with tempfile.TemporaryDirectory(prefix="stlc-") as folder:
+            files = Files.inside(Path(folder))
+            _write(model, files, options)
+            log = _run(self._command(files, options), options, folder)
+            x = _point(files, model)
+            text = log + _head(files.solution)
+        status = _verdict(self.template, text, x is not None)
+        if status is None:
+            status = infeasible_or_unbounded(self, model, options)
+        if status is Status.OPTIMAL and x is None:
+            raise SolverError(f"{self.name} claims an optimum but wrote no solution")
+        x = x if status in (Status.OPTIMAL, Status.FEASIBLE) else None
+        objective = None if x is None else model.objective(x)
+        bound = cbc_log.bound(log) if x is not None else None
+        return Solution(
+            status,
+            x,
+            objective,
+            claimed_bound(status, objective, options) if bound is None else bound,
+            cbc_log.nodes(log),
+            time.perf_counter() - began,
+            self.name,
+            self.version(),
+            ignored(self, options),
+            _last_line(log),
+        )
+
+    def _found(self) -> str | None:
+        if self.executable is not None:
+            return shutil.which(self.executable)
+        return shutil.which(self.template.binary) if self.template.binary else None
+
+    def _command(self, files: Files, options: SolveOptions) -> list[str]:
+        if not self.template.binary:
+            own = options.extra.get("command")
+            if not isinstance(own, str):
+                raise SolverError(
+                    "backend 'external' needs a command, such as 'mysolver {mps} {solution}'"
+                )
+            places = {"mps": files.model, "solution": files.solution, "sol": files.solution}
+            return [part.format_map(places) for part in shlex.split(own)]
+        executable = str(options.extra.get("executable") or self._found())
+        more = shlex.split(str(options.extra.get("arguments", "")))
+        return [executable, *self.template.arguments(files, options, more)]
+
+
+def external(name: str, executable: str | None = None) -> External:
+    """The external backend of a template: cbc, glpsol, scip, highs, cplex, gurobi_cl, fscip."""
+    return External(TEMPLATES[name] if name else CUSTOM, executable)
+
+
+@cache
+def _version(executable: str, template: Template) -> str:
+    if not executable or not template.version_argument:
+        return template.binary or "external command"
+    run = subprocess.run(
+        [executable, template.version_argument],
+        capture_output=True, text=True, timeout=30, check=False, stdin=subprocess.DEVNULL,
+    )  # fmt: skip
+    found = re.search(template.version_pattern, run.stdout + run.stderr)
+    return f"{template.title} {found[1]}" if found else template.title
+
+
+def _write(model: Model, files: Files, options: SolveOptions) -> None:
+    with files.model.open("wb") as stream:
+        stream.writelines(mps_chunks(model, *plain_texts(model)))
+    if options.start is not None:
+        rows = enumerate(options.start.tolist())
+        head = "Stopped on time - objective value 0\n"
+        files.start.write_text(head + "".join(f"{j} c{j} {v!r} 0\n" for j, v in rows))
+
+
+def _run(command: list[str], options: SolveOptions, folder: str) -> str:
+    limit = None if options.time_limit is None else options.time_limit + _GRACE
+    log, began = Path(folder) / "log.txt", time.monotonic()
+    with log.open("wb") as stream:
+        try:
+            process = subprocess.Popen(
+                command, stdout=stream, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+                cwd=folder,
+            )  # fmt: skip
+        except OSError as error:
+            raise SolverError(f"cannot run {command[0]}: {error.strerror}") from error
+        try:
+            while process.poll() is None and not _expired(options, began, limit):
+                time.sleep(0.02)
+        finally:
+            _end(process)
+    text = log.read_text(errors="replace")
+    if process.returncode > 0:
+        raise SolverError(
+            f"{command[0]} ended with status {process.returncode}: {_last_line(text)}"
+        )
+    return text
+
+
+def _expired(options: SolveOptions, began: float, limit: float | None) -> bool:
+    late = limit is not None and time.monotonic() - began > limit
+    return late or (options.should_stop is not None and options.should_stop())
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    if process.poll() is not None:
+        return
+    process.terminate()
+    try:
+        process.wait(1.0)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+def _point(files: Files, model: Model) -> Floats | None:
+    if not files.solution.exists() or not files.solution.stat().st_size:
+        return None
+    try:
+        return read_solution(files.solution, [f"c{j}" for j in range(model.columns)])
+    except NoPlanError:
+        return None
+    except UsageError as error:
+        raise SolverError(f"the solution file is not readable: {error}") from error
+
+
+def _head(solution: Path) -> str:
+    if not solution.exists():
+        return ""
+    with solution.open(errors="replace") as stream:
+        return "\n" + stream.read(2000)
+
+
+def _verdict(template: Template, text: str, has_point: bool) -> Status | None:
+    """None when the solver cannot tell infeasible from unbounded."""
+    if template.ambiguous and re.search(template.ambiguous, text, re.MULTILINE):
+        return None
+    for pattern, status in (
+        (template.infeasible, Status.INFEASIBLE),
+        (template.unbounded, Status.UNBOUNDED),
+        (template.optimal, Status.OPTIMAL),
+    ):
+        if pattern and re.search(pattern, text, re.MULTILINE):
+            return status
+    return Status.FEASIBLE if has_point else Status.NO_SOLUTION
+
+
+def _last_line(text: str) -> str:
+    return next((line.strip() for line in reversed(text.splitlines()) if line.strip()), "")
