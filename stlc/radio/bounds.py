@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from stlc.radio.errors import RadioError
 from stlc.radio.gp import ChannelModel
 from stlc.radio.kernel import KernelName
-from stlc.radio.pairs import BLOCK_BYTES, PairField, predict_pairs, prepare
+from stlc.radio.pairs import BLOCK_BYTES, PairField, predict_pair_mean, predict_pairs, prepare
 from stlc.radio.pathloss import path_loss_mean
 from stlc.radio.taylor import (
     Boxes,
@@ -53,6 +53,13 @@ class PairBounds:
     parts: int
 
 
+@dataclass(frozen=True, slots=True)
+class _Ask:
+    fading: bool
+    z: float
+    spread: bool
+
+
 def pair_bounds(
     model: ChannelModel,
     a: Boxes,
@@ -60,25 +67,30 @@ def pair_bounds(
     *,
     fading: bool = True,
     z: float = 0.0,
-    tolerance: float = 0.25,
-    budget: float = 3e10,
+    spread: bool = True,
+    tolerance: float = 0.5,
+    budget: float = 1e10,
 ) -> PairBounds:
     """Bounds for all pairs of boxes of `a` and `b` (b None: `a` with itself, half the work).
 
+    spread=False leaves sigma at its prior bounds (z must be 0), which is much faster;
     tolerance [dB] on `level`; budget: most multiplications of one round (sub-pairs x M^2).
     Raises RadioError for `paper_min`, whose posterior variance obeys no such bound.
     """
     if model.kernel is not KernelName.SYMMETRISED:
         raise RadioError("kernel paper_min has no rigorous bounds: use bound = centre or mean")
+    if z != 0.0 and not spread:
+        raise RadioError("a level with z other than 0 needs the spread")
     field = prepare(model, a.centre.shape[1])
     other = a if b is None else b
-    seen = _attained(model, a, other, fading, z)
+    ask = _Ask(fading, z, spread)
+    seen = _attained(model, a, other, ask)
     bounds = np.empty((6, len(a), len(other)))
     bounds[0::2], bounds[1::2] = -np.inf, np.inf
     loose = np.ones((len(a), len(other)), dtype=np.bool_)
     parts, last = 1, 1
-    while loose.any() and _work(field, a, other, loose, parts, b is None) <= budget:
-        _refine(field, a, other, bounds, loose, parts, b is None, (fading, z))
+    while loose.any() and _work(field, a, other, loose, parts, b is None, spread) <= budget:
+        _refine(field, a, other, bounds, loose, parts, b is None, ask)
         gap = np.maximum(seen[0] - bounds[4], bounds[5] - seen[1])
         loose = gap > tolerance
         parts, last = 2 * parts, parts
@@ -89,15 +101,15 @@ def pair_bounds(
     return PairBounds(pairs[0], pairs[1], pairs[2], worst, last)
 
 
-def _attained(
-    model: ChannelModel, a: Boxes, b: Boxes, fading: bool, z: float
-) -> tuple[Array, Array]:
+def _attained(model: ChannelModel, a: Boxes, b: Boxes, ask: _Ask) -> tuple[Array, Array]:
     """Least and greatest level seen on a lattice of 3 points an axis in every box."""
     points_a, points_b = _lattice(a), _lattice(b)
-    mean, variance = predict_pairs(model, points_a, points_b, fading)
-    level = (mean - z * np.sqrt(variance)).reshape(
-        len(a), len(points_a) // len(a), len(b), len(points_b) // len(b)
-    )
+    if ask.spread:
+        mean, variance = predict_pairs(model, points_a, points_b, ask.fading)
+        mean = mean - ask.z * np.sqrt(variance)
+    else:
+        mean = predict_pair_mean(model, points_a, points_b)
+    level = mean.reshape(len(a), len(points_a) // len(a), len(b), len(points_b) // len(b))
     return _reduce(level, False), _reduce(level, True)
 
 
@@ -107,11 +119,17 @@ def _lattice(boxes: Boxes) -> Array:
 
 
 def _work(
-    field: PairField, a: Boxes, b: Boxes, loose: NDArray[np.bool_], parts: int, symmetric: bool
+    field: PairField,
+    a: Boxes,
+    b: Boxes,
+    loose: NDArray[np.bool_],
+    parts: int,
+    symmetric: bool,
+    spread: bool,
 ) -> float:
     axes = int((a.half > 0).any(axis=0).sum() + (b.half > 0).any(axis=0).sum())
     pairs = float(loose.sum()) * float(parts) ** axes * (0.5 if symmetric else 1.0)
-    return pairs * max(field.centres, 30) ** 2
+    return pairs * float(max(field.centres, 30)) ** (2 if spread else 1) * (1.0 if spread else 30.0)
 
 
 def _refine(
@@ -122,7 +140,7 @@ def _refine(
     loose: NDArray[np.bool_],
     parts: int,
     symmetric: bool,
-    ask: tuple[bool, float],
+    ask: _Ask,
 ) -> None:
     """Tighten `bounds` (6, na, nb) in place where `loose`, with cells cut parts x parts."""
     left = prepare_ends(field, a.subdivide(parts), False)
@@ -136,7 +154,7 @@ def _refine(
         for start in range(0, len(columns), most):
             cells = columns[start : start + most]
             theirs = right.take((cells[:, None] * per_b + np.arange(per_b)).ravel())
-            piece = _sub_bounds(field, mine, theirs, *ask)
+            piece = _sub_bounds(field, mine, theirs, ask)
             for k, values in enumerate(piece):
                 best = _reduce(values.reshape(1, per_a, len(cells), per_b), k % 2 == 1)[0]
                 keep = np.minimum if k % 2 else np.maximum
@@ -150,13 +168,13 @@ def _reduce(values: Array, upper: bool) -> Array:
     return np.asarray(reduced, dtype=np.float64)
 
 
-def _sub_bounds(field: PairField, left: Ends, right: Ends, fading: bool, z: float) -> list[Array]:
+def _sub_bounds(field: PairField, left: Ends, right: Ends, ask: _Ask) -> list[Array]:
     """Mean, sigma and level intervals (lower, upper, ...) over pairs of boxes."""
     model = field.model
     near, at, far = distances(left.boxes, right.boxes)
     ends = (far, near) if model.exponent >= 0 else (near, far)
     low, high = (path_loss_mean(d, model.l0, model.exponent, model.d0) for d in ends)
-    extra = model.fading if fading else 0.0
+    extra, z = (model.fading if ask.fading else 0.0), ask.z
     if not field.centres:
         sigma = np.full_like(near, np.sqrt(model.shadowing + extra))
         return [low, high, sigma, sigma, low - z * sigma, high - z * sigma]
@@ -164,11 +182,15 @@ def _sub_bounds(field: PairField, left: Ends, right: Ends, fading: bool, z: floa
     scale = [1.0 / np.sqrt(g) for g in (overlap[1], overlap[0], overlap[2])]
     loss = expand_path_loss(model, left.boxes, right.boxes, near, at)
     gain = expand_gain(field, left, right)
-    rest = expand_rest(field, left, right, near, overlap)
     mean, drift = _mean_expansion(loss, gain, scale)
     crude = _product(gain.interval(), (scale[0], scale[1]))
     low = np.maximum(low + crude[0], mean.interval()[0] + drift[0]) - SLACK
     high = np.minimum(high + crude[1], mean.interval()[1] + drift[1]) + SLACK
+    if not ask.spread:
+        least = np.full_like(near, np.sqrt(extra))
+        most = np.full_like(near, np.sqrt(model.shadowing + extra))
+        return [low, high, least, most, low, high]
+    rest = expand_rest(field, left, right, near, overlap)
     least, most = _variance(model.shadowing, rest.interval(), scale)
     least, most = least + extra, most + extra
     level = _level(model.shadowing, mean, drift, rest, scale, (least, most, extra), z)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stlc.radio.errors import RadioError
-from stlc.radio.links import LinkBudget, average, q_function
+from stlc.radio.links import LinkBudget, average, average_bounds, q_function
 
 Array = NDArray[np.float64]
 
@@ -110,3 +110,42 @@ def normalised(values: Array) -> tuple[Array, float]:
     spread = float(values.max() - values.min()) if values.size else 0.0
     scale = spread if spread > 0 else 1.0
     return values / scale, scale
+
+
+def cost_interval(
+    cost: CostName,
+    mean: tuple[Array, Array],
+    sigma: tuple[Array, Array],
+    budget: LinkBudget,
+) -> CostValues:
+    """Highest cost for mean [dBm] and sigma [dB] anywhere in intervals (lower, upper)."""
+    with np.errstate(divide="ignore", over="ignore"):
+        raw = np.asarray(_highest(cost, mean, sigma, budget), dtype=np.float64)
+    bad = ~np.isfinite(raw) | (np.abs(raw) > CLAMP)
+    clean = np.clip(np.nan_to_num(raw, nan=CLAMP, posinf=CLAMP, neginf=-CLAMP), -CLAMP, CLAMP)
+    return CostValues(clean, int(bad.sum()), _notes(cost, int(bad.sum())))
+
+
+def _highest(
+    cost: CostName,
+    mean: tuple[Array, Array],
+    sigma: tuple[Array, Array],
+    budget: LinkBudget,
+) -> Array:
+    match cost:
+        case CostName.INV_SNR | CostName.NEG_RSSI:
+            return _raw_cost(cost, mean[0], sigma[1], budget)
+        case CostName.ETX:
+            least, _ = average_bounds(budget.prr, mean, sigma, decreasing=False)
+            return np.asarray(1.0 / least**2)
+        case CostName.NEG_LOG_PRR:
+            least, _ = average_bounds(budget.prr, mean, sigma, decreasing=False)
+            return np.asarray(-np.log(least))
+        case CostName.OUTAGE:
+            ends = (_outage(mean[0], s, budget) for s in sigma)
+            return np.maximum(*ends)
+        case CostName.PAPER_INV_RSSI:
+            crosses = (mean[0] <= 0.0) & (mean[1] >= 0.0)
+            return np.where(crosses, np.inf, 1.0 / mean[0])
+        case _:
+            assert_never(cost)

@@ -1,0 +1,127 @@
+"""How well a channel forecasts samples it has not seen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.radio.errors import FitError
+from stlc.radio.gp import ChannelModel, condition
+from stlc.radio.likelihood import make_blocks
+from stlc.radio.samples import Samples, merge
+from stlc.radio.tobit import mills
+
+Array = NDArray[np.float64]
+
+LEVELS = (0.5, 0.9, 0.95)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HoldOut:
+    """Forecast of one packet (fading included) against held-back samples.
+
+    rmse       [dB], of max(forecast, floor) against max(rssi, floor)
+    bias       [dB], mean of observed minus forecast
+    coverage   (level, share) of the central intervals, by the randomised probability
+               transform, which is uniform for censored samples too when the model is right
+    log_score  mean log density (log probability for censored samples)
+    pit        (K,) probability transforms
+    """
+
+    rmse: float
+    bias: float
+    coverage: tuple[tuple[float, float], ...]
+    log_score: float
+    pit: Array
+    samples: int
+
+
+def hold_out(model: ChannelModel, samples: Samples, seed: int = 0) -> HoldOut:
+    """Score `model` on samples; `seed` draws the transforms of censored ones.
+
+    Raises FitError without samples.
+    """
+    if not len(samples):
+        raise FitError("no samples to score")
+    mean, variance = predict_samples(model, samples)
+    sigma = np.sqrt(np.maximum(variance, 1e-12))
+    hidden = samples.censored
+    observed = np.where(hidden, samples.floor, samples.rssi)
+    error = np.maximum(observed, samples.floor) - np.maximum(mean, samples.floor)
+    t = (observed - mean) / sigma
+    log_cdf, _ = mills(t)
+    draw = np.where(hidden, np.random.default_rng(seed).uniform(size=len(t)), 1.0)
+    pit = np.exp(log_cdf) * draw
+    density = -0.5 * t**2 - np.log(sigma) - 0.5 * np.log(2.0 * np.pi)
+    shares = tuple((p, float((np.abs(pit - 0.5) <= p / 2.0).mean())) for p in LEVELS)
+    score = float(np.where(hidden, log_cdf, density).mean())
+    rmse = float(np.sqrt((error**2).mean()))
+    return HoldOut(rmse, float(error.mean()), shares, score, pit, len(samples))
+
+
+def predict_samples(model: ChannelModel, samples: Samples) -> tuple[Array, Array]:
+    """One packet's mean [dBm] and variance [dB^2] at each sample, offsets included."""
+    mean, variance = model.predict(samples.links, True)
+    if model.offsets:
+        mean += np.array([model.offset(n) for n in samples.names])[samples.receiver]
+    return mean, variance
+
+
+def split_samples(
+    samples: Samples, share: float, seed: int, blocks: bool = False
+) -> tuple[Samples, Samples]:
+    """Training and held-back samples; repeated links never fall on both sides.
+
+    blocks: hold back whole neighbourhoods instead of single links, a harder test.
+    """
+    merged = merge(samples)
+    rng = np.random.default_rng(seed)
+    group = merged.row_of
+    if blocks:
+        label = np.empty(len(merged.samples), dtype=np.intp)
+        size = max(2, len(label) // 100)
+        for number, rows in enumerate(make_blocks(merged.samples.links, size)):
+            label[rows] = number
+        group = label[group]
+    names = np.unique(group)
+    held = rng.choice(names, max(1, round(share * len(names))), replace=False)
+    test = np.isin(group, held)
+    return samples.take(~test), samples.take(test)
+
+
+@dataclass(frozen=True, slots=True)
+class ApproximationError:
+    """Inducing links against exact conditioning on one neighbourhood: root mean square
+    difference of mean [dB] and of sigma [dB], and how many links were compared."""
+
+    mean: float
+    sigma: float
+    links: int
+
+
+def approximation_error(
+    model: ChannelModel, samples: Samples, most: int = 1500, seed: int = 0
+) -> ApproximationError:
+    """Compare `model` with exact conditioning on the `most` samples around one of them.
+
+    Both are asked at the 100 links nearest to the middle, so that what lies outside the
+    neighbourhood matters little. Only uncensored samples are used.
+    Raises FitError when there are none.
+    """
+    seen = samples.take(~samples.censored)
+    if not len(seen):
+        raise FitError("no uncensored samples to compare on")
+    middle = seen.links[np.random.default_rng(seed).integers(len(seen))]
+    order = np.argsort(((seen.links - middle) ** 2).sum(1), kind="stable")
+    near = seen.take(order[:most])
+    shift = np.array([model.offset(n) if model.offsets else 0.0 for n in near.names])
+    level = near.rssi - shift[near.receiver]
+    plain = Samples(near.links, level, near.floor, np.zeros_like(near.receiver))
+    exact = condition(model, plain)
+    asked = near.links[:100]
+    a, b = model.predict(asked, False), exact.predict(asked, False)
+    mean = float(np.sqrt(((a[0] - b[0]) ** 2).mean()))
+    sigma = float(np.sqrt(((np.sqrt(a[1]) - np.sqrt(b[1])) ** 2).mean()))
+    return ApproximationError(mean, sigma, len(asked))
