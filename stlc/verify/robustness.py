@@ -31,6 +31,7 @@ from stlc.ir.nodes import (
     Node,
     Not,
     Or,
+    Quantity,
     Release,
     Role,
     Signal,
@@ -73,12 +74,19 @@ class Evaluator:
     """Judges formulas on one run; what was judged is kept, so shared parts are judged once.
 
     `override(node)` may give the robustness of a node in place of its definition (None: it
-    doesn't); it must depend on the node's structure and `swept` alone.
+    doesn't); it must depend on the node's structure and `swept` alone. `scales` divide the
+    robustness of predicates by unit.
     """
 
-    def __init__(self, trace: Trace, override: Override | None = None) -> None:
+    def __init__(
+        self,
+        trace: Trace,
+        override: Override | None = None,
+        scales: Mapping[str, float] | None = None,
+    ) -> None:
         self.trace = trace
         self._override = override
+        self._scales = dict(scales or {})
         self._number: dict[tuple[object, ...], int] = {}  # structure -> class of equal nodes
         self._class: dict[tuple[int, bool], int] = {}  # id of a node, polarity -> its class
         self._values: list[Array] = []
@@ -110,7 +118,14 @@ class Evaluator:
         given = self._override(node) if self._override else None
         if given is not None:
             return given
-        return _value(node, [self._values[k] for k in parts], self.trace, positive)
+        value = _value(node, [self._values[k] for k in parts], self.trace, positive)
+        if self._scales and isinstance(node, Linear | Link):
+            return np.asarray(value / self._scales.get(unit(node), 1.0))
+        return value
+
+    def judged(self, node: Node, positive: bool = True) -> Array:
+        """Robustness of a part of a formula that was judged before, by its polarity there."""
+        return self._values[self._class[id(node), positive]]
 
 
 def _parts(node: Node, positive: bool) -> tuple[Judged, ...]:
@@ -124,6 +139,14 @@ def _parts(node: Node, positive: bool) -> tuple[Judged, ...]:
             return tuple((x, sign) for sign in (positive, not positive) for x in (left, right))
         case _:
             return tuple((child, positive) for child in node.children)
+
+
+def unit(node: Linear | Link) -> str:
+    """Unit of a predicate's robustness."""
+    if isinstance(node, Linear):
+        return node.unit
+    decibels = node.quantity in (Quantity.RSSI, Quantity.SNR)
+    return "dB" if decibels or node.probability is not None else ""
 
 
 def robustness(node: Node, trace: Trace) -> Array:

@@ -1,0 +1,66 @@
+"""Static ranges of costs: what `normalised(cost)` divides by. Shared by encoders and verifier."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.channels import ChannelTables
+from stlc.errors import StlcError
+from stlc.mission import Agent, Mission, ObjectiveTerm, TermKind
+
+Array = NDArray[np.float64]
+
+
+def static_range(mission: Mission, term: ObjectiveTerm, tables: ChannelTables) -> float:
+    """Highest minus lowest value that a cost term can take by its declared bounds and tables.
+
+    1 for a term that isn't normalised, or whose range is empty. Raises StlcError when an agent's
+    weighted state or input has no finite bound.
+    """
+    if not term.normalised or term.kind is TermKind.ROBUSTNESS:
+        return 1.0
+    effort = term.kind is TermKind.EFFORT
+    width = _effort(mission, term) if effort else _link_cost(mission, term, tables)
+    return width if width > 0 else 1.0
+
+
+def steps_of(mission: Mission, term: ObjectiveTerm) -> tuple[range, range]:
+    """Steps at which a term counts states (and links), and those at which it counts inputs."""
+    first, last = term.window or (0, mission.horizon)
+    states = range(max(first, 1), min(last, mission.horizon) + 1)
+    return states, range(max(first, 0), min(last, mission.horizon - 1) + 1)
+
+
+def _effort(mission: Mission, term: ObjectiveTerm) -> float:
+    states, inputs = steps_of(mission, term)
+    total = 0.0
+    for name in term.agents or mission.agents:
+        agent = mission.agents[name]
+        x = _width(agent, agent.effort_state, agent.state_lower, agent.state_upper, "state")
+        u = _width(agent, agent.effort_input, agent.input_lower, agent.input_upper, "input")
+        total += len(states) * x + len(inputs) * u
+    return total
+
+
+def _width(agent: Agent, weights: Array, lower: Array, upper: Array, what: str) -> float:
+    """Width of the range of weights'|y| over a box tightened by the norm limits."""
+    low, high = lower.copy(), upper.copy()
+    for bound in agent.state_norms if what == "state" else agent.input_norms:
+        for index in bound.indices:
+            low[index] = max(low[index], -bound.limit)
+            high[index] = min(high[index], bound.limit)
+    used = weights != 0
+    ends = np.abs(np.stack([low, high]))[:, used]
+    if not np.isfinite(ends).all():
+        raise StlcError(
+            f"normalised(effort) needs a bound on every {what} of {agent.name} it weighs"
+        )
+    crossing = (low[used] < 0) & (high[used] > 0)
+    return float(weights[used] @ (ends.max(axis=0) - np.where(crossing, 0.0, ends.min(axis=0))))
+
+
+def _link_cost(mission: Mission, term: ObjectiveTerm, tables: ChannelTables) -> float:
+    assert term.channel is not None
+    spans = [float(np.ptp(tables.cost(term.channel, pair))) for pair in term.pairs]
+    return sum(spans) * len(steps_of(mission, term)[0])

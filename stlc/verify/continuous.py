@@ -1,0 +1,212 @@
+"""Motion between samples, and exact extrema over it.
+
+Between two samples a double integrator moves on p + v s + a s^2 / 2 with a constant input; of any
+other dynamics the chord is judged. Slacks of faces along such a motion are quadratic in time, and
+a minimum or maximum of quadratics has its extrema at their ends, vertices and intersections, so
+nothing is sampled here: clearances are exact up to rounding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.mission import Agent, Mission, Polytope
+from stlc.plan import Run
+
+Array = NDArray[np.float64]
+Combine = Callable[[Array], Array]
+
+CHUNK = 2_000_000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Path:
+    """Position c0 + c1 s + c2 s^2, s in [0, 1], from each step to the next; each (T+1, 2) [m].
+
+    The last row stays where the run ends.
+    """
+
+    c0: Array
+    c1: Array
+    c2: Array
+
+    def __len__(self) -> int:
+        return len(self.c0)
+
+    def at(self, steps: Array) -> Array:
+        """Positions (K, 2) at fractional steps (K,) in [0, T]."""
+        row = np.clip(np.floor(steps).astype(np.intp), 0, len(self) - 1)
+        s = (steps - row)[:, None]
+        return np.asarray(self.c0[row] + s * (self.c1[row] + s * self.c2[row]))
+
+    def minus(self, other: Path) -> Path:
+        """The relative motion."""
+        return Path(self.c0 - other.c0, self.c1 - other.c1, self.c2 - other.c2)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Extremum:
+    """Least value over each step's motion (T+1,) and where in [0, 1] it is taken (T+1,)."""
+
+    value: Array
+    where: Array
+
+    def below(self, other: Extremum) -> Extremum:
+        """The lesser of two at each step."""
+        mine = self.value <= other.value
+        return Extremum(
+            np.where(mine, self.value, other.value), np.where(mine, self.where, other.where)
+        )
+
+
+def path_of(agent: Agent, run: Run, step: float) -> Path:
+    """The motion of an agent that has a position."""
+    model = agent.dynamics
+    assert model.position is not None
+    place = run.states @ model.position.T
+    move = np.vstack([np.diff(place, axis=0), np.zeros((1, 2))])
+    if not model.exact_quadratic or model.velocity is None:
+        return Path(place, move, np.zeros_like(move))
+    drift = run.states[:, list(model.velocity)] * step
+    drift[-1] = 0.0
+    return Path(place, drift, move - drift)
+
+
+def paths(mission: Mission, runs: dict[str, Run]) -> dict[str, Path]:
+    """Motion of every agent that is somewhere, and of the stations, which rest."""
+    found = {
+        name: path_of(agent, runs[name], mission.step)
+        for name, agent in mission.agents.items()
+        if agent.dynamics.position is not None
+    }
+    for name, station in mission.stations.items():
+        place = np.tile(np.asarray(station.position, dtype=np.float64), (mission.horizon + 1, 1))
+        found[name] = Path(place, np.zeros_like(place), np.zeros_like(place))
+    return found
+
+
+def outside(path: Path, frames: Sequence[Sequence[Polytope]]) -> Extremum:
+    """min over time and pieces of the greatest face slack; frame t is judged from t to t + 1."""
+    best = _nothing(len(path))
+    for rows, pieces in _frames(len(path), frames):
+        for piece in pieces:
+            found = _extremum(*_slacks(path, rows, piece), lambda q: q.max(axis=-1))
+            best = best.below(_placed(len(path), rows, found))
+    return best
+
+
+def inside(path: Path, frames: Sequence[Sequence[Polytope]]) -> Extremum:
+    """min over time of the greatest, over pieces, of the least distance to a face's line."""
+    best = _nothing(len(path))
+    for rows, pieces in _frames(len(path), frames):
+        parts = [_slacks(path, rows, piece) for piece in pieces]
+        stacked = [-np.concatenate([p[k] for p in parts], axis=1) for k in range(3)]
+        sizes = np.cumsum([len(piece.offsets) for piece in pieces])[:-1]
+
+        def best_piece(q: Array, sizes: NDArray[np.intp] = sizes) -> Array:
+            parts = [part.min(axis=-1) for part in np.split(q, sizes, axis=-1)]
+            return np.asarray(np.max(parts, axis=0), dtype=np.float64)
+
+        found = _extremum(stacked[0], stacked[1], stacked[2], best_piece)
+        best = best.below(_placed(len(path), rows, found))
+    return best
+
+
+def separation(relative: Path, distances: tuple[float, float]) -> Extremum:
+    """min over time of max(|dx| - distances[0], |dy| - distances[1])."""
+    signs = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
+    far = np.repeat(np.asarray(distances, dtype=np.float64), 2)
+    parts = [c @ signs.T for c in (relative.c0, relative.c1, relative.c2)]
+    return _extremum(parts[0] - far, parts[1], parts[2], lambda q: q.max(axis=-1))
+
+
+def distance(relative: Path) -> Extremum:
+    """Least Euclidean distance of each step: 33 samples, the best one refined by Newton's method.
+
+    The square is a quartic; the value is that of a true point of the motion, so never too small.
+    """
+    a, b, c = relative.c2, relative.c1, relative.c0
+    samples = np.tile(np.linspace(0.0, 1.0, 33), (len(relative), 1))
+    s = _least(_length(relative, samples), samples).where
+    for _ in range(4):
+        p, v = c + s[:, None] * (b + s[:, None] * a), b + 2.0 * s[:, None] * a
+        slope, bend = (p * v).sum(axis=1), (v * v + 2.0 * p * a).sum(axis=1)
+        convex = np.where(bend > 1e-12, bend, np.inf)
+        s = np.clip(s - slope / convex, 0.0, 1.0)
+    refined = np.column_stack([samples, s])
+    return _least(_length(relative, refined), refined)
+
+
+def _length(path: Path, where: Array) -> Array:
+    """Distance from the origin (T+1, K) at `where` (T+1, K)."""
+    s = where[:, :, None]
+    place = path.c0[:, None] + s * (path.c1[:, None] + s * path.c2[:, None])
+    return np.asarray(np.linalg.norm(place, axis=2), dtype=np.float64)
+
+
+def _nothing(length: int) -> Extremum:
+    return Extremum(np.full(length, np.inf), np.zeros(length))
+
+
+def _frames(
+    length: int, frames: Sequence[Sequence[Polytope]]
+) -> Iterator[tuple[slice, Sequence[Polytope]]]:
+    """Rows of steps and the pieces that are there; the last frame stays for ever."""
+    for index, pieces in enumerate(frames[:length]):
+        last = index == min(len(frames), length) - 1
+        yield slice(index, length if last else index + 1), pieces
+
+
+def _slacks(path: Path, rows: slice, piece: Polytope) -> tuple[Array, Array, Array]:
+    """Coefficients (rows, faces) of normal . p - offset."""
+    faces = piece.normals.T
+    return path.c0[rows] @ faces - piece.offsets, path.c1[rows] @ faces, path.c2[rows] @ faces
+
+
+def _placed(length: int, rows: slice, found: Extremum) -> Extremum:
+    out = _nothing(length)
+    out.value[rows], out.where[rows] = found.value, found.where
+    return out
+
+
+def _extremum(q0: Array, q1: Array, q2: Array, combine: Combine) -> Extremum:
+    """min over s in [0, 1] of combine(q0 + q1 s + q2 s^2), a lattice polynomial of the faces."""
+    count = q0.shape[1]
+    size = max(1, CHUNK // max(count * (2 + count + count * (count - 1)), 1))
+    parts = [
+        _extremum_block(q0[i : i + size], q1[i : i + size], q2[i : i + size], combine)
+        for i in range(0, len(q0), size)
+    ]
+    return Extremum(*(np.concatenate(side) for side in zip(*parts, strict=True)))
+
+
+def _extremum_block(q0: Array, q1: Array, q2: Array, combine: Combine) -> tuple[Array, Array]:
+    pairs = np.array(list(combinations(range(q0.shape[1]), 2)), dtype=np.intp).reshape(-1, 2)
+    i, j = pairs.T
+    ends = np.tile([0.0, 1.0], (len(q0), 1))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        vertices = -q1 / (2.0 * q2)
+        crossings = _roots(q0[:, i] - q0[:, j], q1[:, i] - q1[:, j], q2[:, i] - q2[:, j])
+    where = np.concatenate([ends, vertices, *crossings], axis=1)
+    where = np.clip(np.nan_to_num(where, nan=0.0, posinf=1.0, neginf=0.0), 0.0, 1.0)
+    s = where[:, :, None]
+    least = _least(combine(q0[:, None] + s * (q1[:, None] + s * q2[:, None])), where)
+    return least.value, least.where
+
+
+def _least(values: Array, where: Array) -> Extremum:
+    column = np.argmin(values, axis=1)
+    rows = np.arange(len(values))
+    return Extremum(values[rows, column], where[rows, column])
+
+
+def _roots(c: Array, b: Array, a: Array) -> tuple[Array, Array]:
+    """Roots of a s^2 + b s + c without cancellation; not finite where there is none."""
+    root = np.sqrt(np.where(b * b >= 4 * a * c, b * b - 4 * a * c, np.nan))
+    half = -0.5 * (b + np.where(b >= 0, root, -root))
+    return half / a, c / half

@@ -1,0 +1,99 @@
+"""The verdict on a plan."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import combinations
+
+from stlc.channels import ChannelTables
+from stlc.mission import Mission
+from stlc.plan import Plan
+from stlc.verify.continuous import Extremum, Path, distance, outside, paths, separation
+from stlc.verify.links import CellModel, TrueModel, link_series
+from stlc.verify.motion import motion_violations, norm_notes, residual
+from stlc.verify.objective import objective_violations, term_reports, total
+from stlc.verify.report import Clearance, Report
+from stlc.verify.requirements import judge, position_findings, requirement_violations
+from stlc.verify.robustness import Trace
+from stlc.verify.subject import Subject, make_subject, stale
+
+
+def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) -> Report:
+    """Judge a plan against its mission, from the run's numbers alone.
+
+    Checked: dynamics, start, bounds, norms (by the Euclidean norm; an `outer` one by its polygon),
+    turning rate (Euclidean), integer inputs, workspace, every requirement (robustness >= margin
+    - 1e-6; links on the cell model), `swept` conditions in continuous time, the objective and the
+    bound claimed. Links are judged at the true positions too: what fails only there is in
+    `approximate`, unless the channel's bound promised to be rigorous. `tables` saves making a
+    channel's tables again.
+
+    Raises UsageError when the plan doesn't fit the mission's shape.
+    """
+    subject = make_subject(mission, plan, tables)
+    cells = CellModel(subject)
+    true = TrueModel(subject, cells)
+    length, signals = mission.horizon + 1, subject.signals
+    sampled = Trace(length, signals, cells.robustness)
+    motion = paths(mission, dict(plan.runs))
+    requirements = judge(mission, sampled, Trace(length, signals, true.robustness), motion)
+    terms = term_reports(subject, cells, sampled)
+    objective = total(terms)
+    findings = list(position_findings(mission, requirements))
+    violations = [
+        *motion_violations(subject),
+        *requirement_violations(mission, requirements),
+        *(v for rigorous, v in findings if rigorous),
+        *objective_violations(plan.solve, objective, terms),
+    ]
+    return Report(
+        mission.source.name,
+        tuple(violations),
+        tuple(v for rigorous, v in findings if not rigorous),
+        tuple(_notes(subject)),
+        requirements,
+        objective,
+        terms,
+        _residual(mission, plan),
+        tuple(_clearances(mission, motion)),
+        link_series(subject, cells, true),
+    )
+
+
+def _residual(mission: Mission, plan: Plan) -> float:
+    each = (residual(agent, plan.runs[name]) for name, agent in mission.agents.items())
+    return max((float(gap.max(initial=0.0)) for gap in each), default=0.0)
+
+
+def _notes(subject: Subject) -> Iterator[str]:
+    if stale(subject.mission, subject.plan):
+        yield "the mission's text has changed since the plan was made"
+    yield from norm_notes(subject)
+    inexact = [
+        name
+        for name, agent in subject.mission.agents.items()
+        if agent.dynamics.position is not None and not agent.dynamics.exact_quadratic
+    ]
+    if inexact:
+        yield f"between samples the chord is judged for {', '.join(inexact)}"
+
+
+def _clearances(mission: Mission, motion: Mapping[str, Path]) -> Iterator[Clearance]:
+    """Closest approaches in continuous time to real obstacle bodies, buffers and other agents."""
+    agents = [name for name in mission.agents if name in motion]
+    for name in agents:
+        for obstacle in mission.obstacles.values():
+            for what, frames in (("body", obstacle.bodies), ("buffer", obstacle.frames)):
+                found = outside(motion[name], frames)
+                yield _closest(what, name, obstacle.name, found, mission.step)
+    for one, other in combinations(agents, 2):
+        relative = motion[one].minus(motion[other])
+        apart = separation(relative, (0.0, 0.0))
+        yield _closest("separation", one, other, apart, mission.step)
+        yield _closest("distance", one, other, distance(relative), mission.step)
+
+
+def _closest(what: str, agent: str, other: str, found: Extremum, step: float) -> Clearance:
+    row = int(found.value.argmin())
+    time = (row + float(found.where[row])) * step
+    return Clearance(what, agent, other, float(found.value[row]), time)

@@ -1,0 +1,167 @@
+"""Link quality on the cell model and at true positions.
+
+Tables and the channel's posterior come from the radio as data; which cells a position touches
+and how ties are settled is decided here: a predicate takes the best of the touching cells, a cost
+the cheapest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.channels import LinkValues, true_robustness, true_values
+from stlc.ir.nodes import Link, walk
+from stlc.mission import Channel, Mission, TermKind
+from stlc.plan import LinkSeries
+from stlc.verify.subject import Array, Subject
+
+Pair = tuple[str, str]
+Pick = Literal["least", "greatest"]
+
+TOUCH = 1e-6
+"""A position this close [m] to a cell counts as in it."""
+
+
+@dataclass(slots=True, eq=False)
+class CellModel:
+    """Looks positions up in tables."""
+
+    subject: Subject
+    _touched: dict[tuple[str, str], NDArray[np.bool_]] = field(default_factory=dict)
+
+    def touched(self, channel: Channel, agent: str) -> NDArray[np.bool_]:
+        """Which cells the agent touches (T+1, cells)."""
+        key = (channel.name, agent)
+        if key not in self._touched:
+            place = self.subject.positions[agent]
+            x_low, x_high, y_low, y_high = channel.partition.boxes.T
+            x, y = place[:, :1], place[:, 1:]
+            within_x = (x >= x_low - TOUCH) & (x <= x_high + TOUCH)
+            self._touched[key] = within_x & (y >= y_low - TOUCH) & (y <= y_high + TOUCH)
+        return self._touched[key]
+
+    def lookup(self, channel: Channel, pair: Pair, table: Array, pick: Pick) -> Array:
+        """The least or greatest of the touching entries (T+1,); NaN outside every cell."""
+        length = self.subject.mission.horizon + 1
+        moving = [name for name in pair if name in self.subject.mission.agents]
+        if not moving:
+            return np.full(length, float(table))
+        masks = [self.touched(channel, name) for name in moving]
+        counts = [mask.sum(axis=1) for mask in masks]
+        first = tuple(mask.argmax(axis=1) for mask in masks)
+        out = np.asarray(table[first], dtype=np.float64).copy()
+        out[np.any([count == 0 for count in counts], axis=0)] = np.nan
+        choose = np.min if pick == "least" else np.max
+        for t in np.flatnonzero(np.prod(counts, axis=0) > 1):
+            cells = np.ix_(*(np.flatnonzero(mask[t]) for mask in masks))
+            out[t] = choose(table[cells])
+        return out
+
+    def robustness(self, link: Link, positive: bool) -> Array:
+        """Robustness (T+1,) of a predicate; outside every cell it counts as lost."""
+        channel = self.subject.mission.channels[link.channel]
+        table = self.subject.tables.thresholds(link)
+        pair = (link.sender, link.receiver)
+        if positive:
+            value, lost = self.lookup(channel, pair, table.low, "greatest"), -np.inf
+        else:
+            value, lost = self.lookup(channel, pair, table.high, "least"), np.inf
+        return np.where(np.isnan(value), lost, value)
+
+    def cost(self, channel: Channel, pair: Pair, pick: Pick) -> Array:
+        """Link cost (T+1,); NaN outside every cell."""
+        return self.lookup(channel, pair, self.subject.tables.cost(channel.name, pair), pick)
+
+
+@dataclass(slots=True, eq=False)
+class TrueModel:
+    """Evaluates the channel itself, without any cells."""
+
+    subject: Subject
+    cells: CellModel
+    _values: dict[tuple[str, Pair], LinkValues] = field(default_factory=dict)
+
+    def values(self, channel: Channel, pair: Pair) -> LinkValues:
+        """Mean, sigma and length of a pair's link at each step."""
+        key = (channel.name, pair)
+        if key not in self._values:
+            places = self.subject.positions
+            found = true_values(
+                self.subject.mission, channel, pair, places[pair[0]], places[pair[1]]
+            )
+            self._values[key] = found
+        return self._values[key]
+
+    def robustness(self, link: Link, positive: bool) -> Array:
+        """Robustness (T+1,); of a channel that is only a table, that of the table."""
+        channel = self.subject.mission.channels[link.channel]
+        if channel.model is None:
+            return self.cells.robustness(link, positive)
+        return true_robustness(channel, link, self.values(channel, (link.sender, link.receiver)))
+
+
+def named_pairs(mission: Mission) -> Iterator[tuple[str, Pair]]:
+    """Every (channel, pair) that a requirement or the objective names, each once."""
+    seen: set[tuple[str, frozenset[str]]] = set()
+    for name, pair in _mentions(mission):
+        key = (name, frozenset(pair))
+        if key not in seen:
+            seen.add(key)
+            yield name, pair
+
+
+def _mentions(mission: Mission) -> Iterator[tuple[str, Pair]]:
+    for requirement in mission.requirements:
+        for node in walk(requirement.formula):
+            if isinstance(node, Link):
+                yield node.channel, (node.sender, node.receiver)
+    for term in mission.objective:
+        if term.kind is TermKind.LINK_COST and term.channel is not None:
+            yield from ((term.channel, pair) for pair in term.pairs)
+
+
+def link_series(subject: Subject, cells: CellModel, true: TrueModel) -> tuple[LinkSeries, ...]:
+    """Link quality over time for every pair that the mission names."""
+    return tuple(
+        LinkSeries(name, *pair, _quality(subject.mission.channels[name], pair, cells, true))
+        for name, pair in named_pairs(subject.mission)
+    )
+
+
+def _quality(channel: Channel, pair: Pair, cells: CellModel, true: TrueModel) -> dict[str, Array]:
+    values = _signal(channel, pair, true)
+    if channel.tables or _costs(cells.subject.mission, channel, pair):
+        values["cost"] = cells.cost(channel, pair, "least")
+    return values
+
+
+def _costs(mission: Mission, channel: Channel, pair: Pair) -> bool:
+    """Whether the objective counts this pair, so that its table is there already."""
+    return any(
+        term.channel == channel.name and {pair, pair[::-1]} & set(term.pairs)
+        for term in mission.objective
+    )
+
+
+def _signal(channel: Channel, pair: Pair, true: TrueModel) -> dict[str, Array]:
+    places = true.subject.positions
+    if channel.model is None:
+        return {"distance": np.linalg.norm(places[pair[0]] - places[pair[1]], axis=1)}
+    found = true.values(channel, pair)
+    values = {"distance": found.distance, "rssi": found.mean, "sigma": found.sigma}
+    budget = channel.budget
+    if budget is None:
+        return values
+    from stlc.radio.links import average
+
+    values["snr"] = budget.snr(found.mean)
+    if budget.modulation is not None:
+        values["ber"] = average(budget.ber, found.mean, found.sigma)
+        if budget.packet is not None:
+            values["prr"] = average(budget.prr, found.mean, found.sigma)
+    return values

@@ -1,0 +1,187 @@
+"""Each agent alone: dynamics, start, bounds, norms, turning rate, integers, workspace."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.mission import Agent, NormBound, PolygonKind
+from stlc.plan import Run
+from stlc.source import Span
+from stlc.verify.report import Violation
+from stlc.verify.subject import TOLERANCE, Array, Subject
+
+Describe = Callable[[int, int], str]
+
+
+def motion_violations(subject: Subject) -> Iterator[Violation]:
+    """Every condition on an agent alone that is broken, each once, at its worst step."""
+    for name, agent in subject.mission.agents.items():
+        run = subject.plan.runs[name]
+        yield from _dynamics(agent, run)
+        yield from _start(agent, run)
+        yield from _bounds(agent, run)
+        yield from _integers(agent, run)
+        for bound in agent.state_norms:
+            yield from _norm(agent, bound, run.states[1:], run.state_names, 1)
+        for bound in agent.input_norms:
+            yield from _norm(agent, bound, run.inputs, run.input_names, 0)
+        yield from _turn_rate(agent, run)
+        yield from _workspace(subject, agent)
+
+
+def residual(agent: Agent, run: Run) -> Array:
+    """|x(t+1) - A x(t) - B u(t) - drift| (T, n)."""
+    model = agent.dynamics
+    predicted = run.states[:-1] @ model.A.T + run.inputs @ model.B.T + model.drift
+    return np.asarray(np.abs(run.states[1:] - predicted), dtype=np.float64)
+
+
+def _worst(
+    excess: Array,
+    allowed: Array | float,
+    kind: str,
+    agent: Agent,
+    describe: Describe,
+    first: int = 0,
+    span: Span | None = None,
+) -> Iterator[Violation]:
+    """At most one violation: the largest of `excess` (steps, width) where it passes `allowed`."""
+    excess = np.where(excess > allowed, excess, -np.inf)
+    if not excess.size or excess.max() == -np.inf:
+        return
+    step, column = np.unravel_index(int(np.argmax(excess)), excess.shape)
+    amount = float(excess[step, column])
+    when = int(step) + first
+    text = f"{agent.name} at step {when}: {describe(int(step), int(column))}"
+    yield Violation(kind, text, amount, float(when), agent.name, span or agent.span)
+
+
+def _slack(size: Array | float) -> Array:
+    return TOLERANCE * np.maximum(1.0, np.abs(size))
+
+
+def _dynamics(agent: Agent, run: Run) -> Iterator[Violation]:
+    gap = residual(agent, run)
+    names = agent.dynamics.states
+
+    def describe(step: int, column: int) -> str:
+        return f"{names[column]} doesn't follow from its dynamics (off by {gap[step, column]:.3g})"
+
+    yield from _worst(gap, _slack(run.states[1:]), "dynamics", agent, describe, 1)
+
+
+def _start(agent: Agent, run: Run) -> Iterator[Violation]:
+    gap = np.abs(run.states[:1] - agent.start)
+
+    def describe(step: int, column: int) -> str:
+        name, want = agent.dynamics.states[column], agent.start[column]
+        return f"{name} is {run.states[0, column]:.6g}, the mission starts it at {want:.6g}"
+
+    yield from _worst(gap, _slack(agent.start), "start", agent, describe)
+
+
+def _bounds(agent: Agent, run: Run) -> Iterator[Violation]:
+    boxes = (
+        ("state bound", run.states, agent.state_lower, agent.state_upper, run.state_names),
+        ("input bound", run.inputs, agent.input_lower, agent.input_upper, run.input_names),
+    )
+    for kind, values, lower, upper, names in boxes:
+        for sign, limit, word in ((1.0, upper, "above"), (-1.0, lower, "below")):
+
+            def describe(
+                step: int, column: int, values: Array = values, limit: Array = limit,
+                names: tuple[str, ...] = names, word: str = word,
+            ) -> str:  # fmt: skip
+                value = values[step, column]
+                return f"{names[column]} = {value:.6g} is {word} its bound {limit[column]:.6g}"
+
+            finite = np.where(np.isfinite(limit), limit, sign * np.inf)
+            slack = _slack(np.where(np.isfinite(limit), limit, 0.0))
+            yield from _worst(sign * (values - finite), slack, kind, agent, describe)
+
+
+def _integers(agent: Agent, run: Run) -> Iterator[Violation]:
+    if not agent.integer_inputs:
+        return
+
+    def describe(step: int, column: int) -> str:
+        return f"{run.input_names[column]} = {run.inputs[step, column]:.9g} is not an integer"
+
+    off = np.abs(run.inputs - np.rint(run.inputs))
+    yield from _worst(off, TOLERANCE, "integer input", agent, describe)
+
+
+def _norm(
+    agent: Agent, bound: NormBound, values: Array, names: tuple[str, ...], first: int
+) -> Iterator[Violation]:
+    size = norm_measure(bound, values)
+    label = " and ".join(names[i] for i in bound.indices)
+    shape = "norm" if bound.kind is PolygonKind.INSCRIBED else f"{bound.sides}-sided polygon"
+
+    def describe(step: int, column: int) -> str:
+        return f"the {shape} of {label} is {size[step]:.6g}, above its limit {bound.limit:.6g}"
+
+    excess = (size - bound.limit)[:, None]
+    yield from _worst(excess, _slack(bound.limit), "norm", agent, describe, first, bound.span)
+
+
+def norm_measure(bound: NormBound, values: Array) -> Array:
+    """What a norm bound is judged by (steps,): the Euclidean norm, or for OUTER its polygon."""
+    pair = values[:, list(bound.indices)]
+    if bound.kind is PolygonKind.INSCRIBED:
+        return np.asarray(np.linalg.norm(pair, axis=1), dtype=np.float64)
+    angles = 2.0 * np.pi * np.arange(1, bound.sides + 1) / bound.sides
+    return np.asarray((pair @ np.array([np.sin(angles), np.cos(angles)])).max(axis=1))
+
+
+def norm_notes(subject: Subject) -> Iterator[str]:
+    """How far an outer polygon lets a norm exceed its limit."""
+    for name, agent in subject.mission.agents.items():
+        run = subject.plan.runs[name]
+        kinds = [(b, run.states[1:]) for b in agent.state_norms]
+        for bound, values in kinds + [(b, run.inputs) for b in agent.input_norms]:
+            if bound.kind is not PolygonKind.OUTER or not len(values):
+                continue
+            size = float(np.linalg.norm(values[:, list(bound.indices)], axis=1).max())
+            if size > bound.limit + TOLERANCE:
+                share = 100.0 * (size / bound.limit - 1.0)
+                yield (
+                    f"{name}: the outer polygon lets the norm reach {size:.6g}, "
+                    f"{share:.2f} % above {bound.limit:.6g}"
+                )
+
+
+def _turn_rate(agent: Agent, run: Run) -> Iterator[Violation]:
+    """||u|| <= (u_max / v_max) ||v|| by the Euclidean formula, or at rest."""
+    rate, velocity = agent.turn_rate, agent.dynamics.velocity
+    if rate is None or velocity is None:
+        return
+    force = np.linalg.norm(run.inputs, axis=1)
+    speed = np.linalg.norm(run.states[:-1][:, list(velocity)], axis=1)
+    excess = force - rate.u_max / rate.v_max * speed
+    if not rate.literal:
+        excess = np.where(speed <= rate.rest_speed + TOLERANCE, -np.inf, excess)
+
+    def describe(step: int, column: int) -> str:
+        allowed = rate.u_max / rate.v_max * speed[step]
+        return f"|u| = {force[step]:.6g} turns too sharply at speed {speed[step]:.6g} " + (
+            f"(at most {allowed:.6g})"
+        )
+
+    yield from _worst(excess[:, None], TOLERANCE, "turn rate", agent, describe, 0, rate.span)
+
+
+def _workspace(subject: Subject, agent: Agent) -> Iterator[Violation]:
+    space, position = subject.mission.workspace, subject.positions.get(agent.name)
+    if space is None or position is None:
+        return
+    beyond: NDArray[np.float64] = position @ space.normals.T - space.offsets
+
+    def describe(step: int, column: int) -> str:
+        x, y = position[step]
+        return f"({x:.6g}, {y:.6g}) lies {beyond[step, column]:.3g} m outside the workspace"
+
+    yield from _worst(beyond, TOLERANCE, "workspace", agent, describe)

@@ -1,0 +1,117 @@
+"""The objective, recomputed term by term from the run alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from stlc.mission import ObjectiveTerm, TermKind
+from stlc.plan import SolveInfo
+from stlc.scales import static_range, steps_of
+from stlc.verify.links import CellModel
+from stlc.verify.report import TermReport, Violation
+from stlc.verify.robustness import Evaluator, Trace
+from stlc.verify.subject import Subject
+
+
+def term_reports(subject: Subject, cells: CellModel, trace: Trace) -> tuple[TermReport, ...]:
+    """Every term of the objective; NaN where it can't be judged."""
+    return tuple(_term(subject, term, cells, trace) for term in subject.mission.objective)
+
+
+def total(terms: Sequence[TermReport]) -> tuple[float, float] | None:
+    """Lowest and highest objective over ties; None when a term can't be judged."""
+    ends = [sorted((t.weight * t.low, t.weight * t.high)) for t in terms]
+    low, high = math.fsum(e[0] for e in ends), math.fsum(e[1] for e in ends)
+    return None if math.isnan(low + high) else (low, high)
+
+
+def _term(subject: Subject, term: ObjectiveTerm, cells: CellModel, trace: Trace) -> TermReport:
+    match term.kind:
+        case TermKind.EFFORT:
+            low = high = _effort(subject, term)
+        case TermKind.LINK_COST:
+            low, high = _link_cost(subject, term, cells)
+        case TermKind.ROBUSTNESS:
+            low = high = _robustness(subject, term, trace)
+    scale = static_range(subject.mission, term, subject.tables)
+    return TermReport(_name(term), term.weight, low / scale, high / scale, term.span)
+
+
+def _name(term: ObjectiveTerm) -> str:
+    inner = {
+        TermKind.EFFORT: "effort",
+        TermKind.LINK_COST: f"link_cost({term.channel})",
+        TermKind.ROBUSTNESS: f"robustness({term.requirement})"
+        if term.requirement
+        else "robustness",
+    }[term.kind]
+    window = f"[{term.window[0]}, {term.window[1]}]" if term.window else ""
+    return f"normalised({inner}{window})" if term.normalised else inner + window
+
+
+def _effort(subject: Subject, term: ObjectiveTerm) -> float:
+    """sum q'|x_t| over t >= 1 and r'|u_t| over t <= T - 1, in the term's window."""
+    mission = subject.mission
+    states, inputs = steps_of(mission, term)
+    parts = []
+    for name in term.agents or mission.agents:
+        agent, run = mission.agents[name], subject.plan.runs[name]
+        parts.append(float((np.abs(run.states[states]) @ agent.effort_state).sum()))
+        parts.append(float((np.abs(run.inputs[inputs]) @ agent.effort_input).sum()))
+    return math.fsum(parts)
+
+
+def _link_cost(subject: Subject, term: ObjectiveTerm, cells: CellModel) -> tuple[float, float]:
+    assert term.channel is not None
+    channel = subject.mission.channels[term.channel]
+    states, _ = steps_of(subject.mission, term)
+    low, high = (
+        math.fsum(float(x) for p in term.pairs for x in cells.cost(channel, p, pick)[states])
+        for pick in ("least", "greatest")
+    )
+    return low, high
+
+
+def _robustness(subject: Subject, term: ObjectiveTerm, trace: Trace) -> float:
+    """Least robustness of the requirements meant, each predicate divided by its unit's scale."""
+    evaluator = Evaluator(trace, scales=term.scales)
+    values = [
+        evaluator.robustness(r.formula)[:1]
+        for r in subject.mission.requirements
+        if term.requirement in (None, r.name)
+    ]
+    return min((float(v[0]) if len(v) else math.nan for v in values), default=math.nan)
+
+
+def objective_violations(
+    claim: SolveInfo, found: tuple[float, float] | None, terms: Sequence[TermReport]
+) -> Iterator[Violation]:
+    """A claimed objective that the run doesn't reach, or a bound that the run refutes.
+
+    The run may be better than claimed (slack in a model's auxiliary columns), never worse; and no
+    run is better than a proven bound.
+    """
+    if found is None:
+        lost = ", ".join(t.name for t in terms if math.isnan(t.low))
+        yield Violation("objective", f"the objective can't be judged: {lost}", math.inf)
+        return
+    low, high = found
+    if claim.objective is not None:
+        excess = low - claim.objective
+        if excess > _slack(claim.objective):
+            text = (
+                f"the plan's objective is {low:.9g}, worse than the {claim.objective:.9g} claimed"
+            )
+            yield Violation("objective", text, excess)
+    if claim.bound is not None:
+        excess = claim.bound - high
+        if excess > _slack(claim.bound):
+            text = f"the plan's objective {high:.9g} is below the proven bound {claim.bound:.9g}"
+            yield Violation("bound", text, excess)
+
+
+def _slack(value: float) -> float:
+    return 1e-5 * max(1.0, abs(value)) if math.isfinite(value) else math.inf

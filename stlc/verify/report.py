@@ -1,0 +1,241 @@
+"""What the verifier found, as dataclasses, as text and as JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from stlc.plan import LinkSeries, Plan, RequirementValue
+from stlc.source import Span
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """One thing that a plan breaks.
+
+    `kind` is a short class name such as "dynamics" or "requirement"; `amount` says by how much,
+    in the unit of what is broken; `step` is the worst one, fractional between samples.
+    """
+
+    kind: str
+    message: str
+    amount: float
+    step: float | None = None
+    agent: str | None = None
+    span: Span | None = None
+
+    def __str__(self) -> str:
+        place = f"{self.span}: " if self.span else ""
+        return f"{place}{self.message}"
+
+
+@dataclass(frozen=True, slots=True)
+class RequirementReport:
+    """One requirement at step 0; a robustness that can't be judged is None.
+
+    robustness  on the samples, channels on their cell model
+    true        on the samples, channels at the true positions (None without a channel model)
+    swept       with every `swept` condition judged in continuous time (None without one)
+    critical    (step, unit) of the predicate that decides `robustness`
+    """
+
+    name: str
+    margin: float
+    robustness: float | None
+    true: float | None = None
+    swept: float | None = None
+    critical: tuple[int, str] | None = None
+    span: Span | None = None
+
+    @property
+    def satisfied(self) -> bool:
+        """Robustness on the samples reaches the margin, less the tolerance of 1e-6."""
+        return self.robustness is not None and self.robustness >= self.margin - 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class TermReport:
+    """One term of the objective, weight left out; a tie at a cell border gives an interval."""
+
+    name: str
+    weight: float
+    low: float
+    high: float
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Clearance:
+    """Closest approach in continuous time.
+
+    `what` is "body" (an obstacle before inflation), "buffer" (after), "separation" (the larger of
+    |dx| and |dy| between two agents) or "distance" (Euclidean). `value` [m] is negative inside an
+    obstacle; outside it is the distance from the nearest face's line, a lower bound of the
+    Euclidean one. `time` [s].
+    """
+
+    what: str
+    agent: str
+    other: str
+    value: float
+    time: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Report:
+    """The verdict on a plan. `approximate` holds at the cell model but not at true positions."""
+
+    mission: str
+    violations: tuple[Violation, ...]
+    approximate: tuple[Violation, ...]
+    notes: tuple[str, ...]
+    requirements: tuple[RequirementReport, ...]
+    objective: tuple[float, float] | None  # lowest and highest over ties; None: can't be judged
+    terms: tuple[TermReport, ...]
+    residual: float  # largest dynamics residual
+    clearances: tuple[Clearance, ...]
+    links: tuple[LinkSeries, ...]
+
+    @property
+    def ok(self) -> bool:
+        """No violation."""
+        return not self.violations
+
+    def annotate(self, plan: Plan, certificate: Mapping[str, Any] | None = None) -> Plan:
+        """The plan with what was found: robustness, link quality, certificate."""
+        values = tuple(RequirementValue(r.name, r.robustness, r.margin) for r in self.requirements)
+        info = {**plan.certificate, **(certificate or {}), "verified": self.ok}
+        return replace(plan, requirements=values, links=self.links, certificate=info)
+
+    def text(self) -> str:
+        """The report for a person, in plain text."""
+        lines = [f"{self.mission}: the plan {_verdict(self)}"]
+        lines += [f"  violated: {v}" for v in self.violations]
+        lines += [f"  approximate: {v}" for v in self.approximate]
+        lines += _requirement_lines(self.requirements)
+        lines += _objective_lines(self)
+        lines += _clearance_lines(self.clearances)
+        lines += [f"  note: {note}" for note in self.notes]
+        return "\n".join(lines)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain JSON values; infinite numbers are "inf" and "-inf"."""
+        return {
+            "mission": self.mission,
+            "verified": self.ok,
+            "violations": [_violation(v) for v in self.violations],
+            "approximate": [_violation(v) for v in self.approximate],
+            "requirements": [_requirement(r) for r in self.requirements],
+            "objective": _ends(self.objective),
+            "terms": [
+                {"name": t.name, "weight": t.weight, "value": _ends((t.low, t.high))}
+                for t in self.terms
+            ],
+            "residual": _plain(self.residual),
+            "clearances": [
+                {"what": c.what, "agent": c.agent, "other": c.other,
+                 "value": _plain(c.value), "time": c.time}
+                for c in self.clearances
+            ],
+            "notes": list(self.notes),
+        }  # fmt: skip
+
+    def to_json(self) -> str:
+        """`as_dict` as one JSON object."""
+        return json.dumps(self.as_dict(), indent=2, allow_nan=False) + "\n"
+
+
+def _verdict(report: Report) -> str:
+    if not report.ok:
+        count = len(report.violations)
+        return f"violates the mission ({count} violation{'s' if count > 1 else ''})"
+    return "satisfies the mission" + (" on the cell model only" if report.approximate else "")
+
+
+def _requirement_lines(requirements: tuple[RequirementReport, ...]) -> list[str]:
+    if not requirements:
+        return []
+    width = max(len(r.name) for r in requirements)
+    lines = ["  requirement" + " " * max(width - 9, 2) + "robustness"]
+    for r in requirements:
+        value = "can't be judged" if r.robustness is None else f"{r.robustness:.6g}"
+        unit = f" {r.critical[1]}" if r.critical and r.critical[1] else ""
+        step = f"  at step {r.critical[0]}" if r.critical else ""
+        margin = f"  (margin {r.margin:g})" if r.margin else ""
+        mark = "ok " if r.satisfied else "NO "
+        lines.append(f"  {mark}{r.name:<{width}}  {value}{unit}{step}{margin}{_further(r)}")
+    return lines
+
+
+def _further(r: RequirementReport) -> str:
+    parts = []
+    if r.true is not None and r.robustness is not None:
+        parts.append(f"at true positions {r.true:.6g}")
+    if r.swept is not None:
+        parts.append(f"in continuous time {r.swept:.6g}")
+    return f"  [{', '.join(parts)}]" if parts else ""
+
+
+def _objective_lines(report: Report) -> list[str]:
+    if report.objective is None or not report.terms:
+        return []
+    low, high = report.objective
+    between = "" if high - low <= 1e-9 * max(1.0, abs(high)) else f" to {high:.8g} (ties)"
+    lines = [f"  objective {low:.8g}{between}"]
+    return lines + [f"    {t.weight:+g} x {t.name} = {t.low:.8g}" for t in report.terms]
+
+
+def _clearance_lines(clearances: tuple[Clearance, ...]) -> list[str]:
+    return [
+        f"  {_CLEARANCE[c.what].format(c)}: {c.value:.4g} m at {c.time:.3g} s, "
+        "between samples included"
+        for c in clearances
+        if c.what in ("body", "distance")
+    ]
+
+
+_CLEARANCE = {
+    "body": "{0.agent} clears the body of {0.other} by",
+    "buffer": "{0.agent} clears the buffer of {0.other} by",
+    "separation": "{0.agent} and {0.other} are apart along an axis by",
+    "distance": "{0.agent} and {0.other} are apart by",
+}
+
+
+def _violation(v: Violation) -> dict[str, Any]:
+    place = None
+    if v.span is not None:
+        place = {"file": v.span.source.name, "line": v.span.line, "column": v.span.column}
+    return {
+        "kind": v.kind, "message": v.message, "amount": _plain(v.amount), "step": v.step,
+        "agent": v.agent, "place": place,
+    }  # fmt: skip
+
+
+def _requirement(r: RequirementReport) -> dict[str, Any]:
+    return {
+        "name": r.name,
+        "margin": r.margin,
+        "satisfied": r.satisfied,
+        "robustness": _plain(r.robustness),
+        "true_positions": _plain(r.true),
+        "continuous_time": _plain(r.swept),
+        "step": r.critical[0] if r.critical else None,
+        "unit": r.critical[1] if r.critical else None,
+    }
+
+
+def _ends(interval: tuple[float, float] | None) -> Any:
+    if interval is None:
+        return None
+    low, high = (_plain(x) for x in interval)
+    return low if low == high else [low, high]
+
+
+def _plain(value: float | None) -> Any:
+    if value is None or math.isnan(value):
+        return None
+    return value if math.isfinite(value) else str(value)

@@ -1,0 +1,200 @@
+"""Every requirement: on samples, at true link positions, and in continuous time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from stlc.ir.nodes import (
+    Always,
+    And,
+    Eventually,
+    Iff,
+    Implies,
+    Linear,
+    Link,
+    Motion,
+    Node,
+    Not,
+    Or,
+    Swept,
+    Timed,
+    walk,
+)
+from stlc.mission import Bound, Mission, Polytope, Requirement
+from stlc.verify.continuous import Path, inside, outside, separation
+from stlc.verify.report import RequirementReport, Violation
+from stlc.verify.robustness import Evaluator, Trace, unit
+from stlc.verify.subject import TOLERANCE, Array
+
+TRUE_SLACK = 1e-4
+"""A rigorous cell bound may be missed by this much: a position counts as in a cell 1e-6 m away."""
+
+
+def judge(
+    mission: Mission, cells: Trace, true: Trace, motion: Mapping[str, Path]
+) -> tuple[RequirementReport, ...]:
+    """Reports on all requirements."""
+    sampled, positions = Evaluator(cells), Evaluator(true)
+    dense = Evaluator(cells, SweptOverride(mission, motion))
+    return tuple(_report(r, sampled, positions, dense) for r in mission.requirements)
+
+
+def _report(
+    requirement: Requirement, sampled: Evaluator, true: Evaluator, dense: Evaluator
+) -> RequirementReport:
+    formula = requirement.formula
+    has_link = has_swept = False
+    for node in walk(formula):
+        has_link = has_link or isinstance(node, Link)
+        has_swept = has_swept or node.swept is not None
+    value = _first(sampled.robustness(formula))
+    return RequirementReport(
+        requirement.name,
+        requirement.margin,
+        value,
+        _first(true.robustness(formula)) if has_link else None,
+        _first(dense.robustness(formula)) if has_swept else None,
+        None if value is None else critical(sampled, formula),
+        requirement.span,
+    )
+
+
+def _first(values: Array) -> float | None:
+    return float(values[0]) if len(values) else None
+
+
+class SweptOverride:
+    """Robustness (T,) of a node that stands for a `swept` condition, None for others."""
+
+    def __init__(self, mission: Mission, motion: Mapping[str, Path]) -> None:
+        self._mission = mission
+        self._motion = motion
+
+    def __call__(self, node: Node) -> Array | None:
+        if node.swept is None:
+            return None
+        return self._clearance(node.swept)[:-1]
+
+    def _clearance(self, swept: Swept) -> Array:
+        path = self._motion[swept.agent]
+        match swept.motion:
+            case Motion.OUTSIDE:
+                return outside(path, self._frames(swept)).value
+            case Motion.INSIDE:
+                return inside(path, self._frames(swept)).value
+            case Motion.SEPARATION:
+                assert swept.other is not None
+                return separation(path.minus(self._motion[swept.other]), swept.distances).value
+
+    def _frames(self, swept: Swept) -> Sequence[Sequence[Polytope]]:
+        assert swept.place is not None
+        obstacle = self._mission.obstacles.get(swept.place)
+        if obstacle is not None:
+            return obstacle.frames
+        return (self._mission.regions[swept.place].pieces,)
+
+
+def requirement_violations(
+    mission: Mission, reports: Sequence[RequirementReport]
+) -> Iterator[Violation]:
+    """Requirements that don't hold on the samples, or in continuous time."""
+    for r in reports:
+        if r.robustness is None:
+            text = f"requirement {r.name} can't be judged: it looks past step {mission.horizon}"
+            yield Violation("requirement", text, float("inf"), None, None, r.span)
+        elif not r.satisfied:
+            yield _failure(r, r.robustness, "requirement", "")
+        elif r.swept is not None and r.swept < r.margin - TOLERANCE:
+            yield _failure(r, r.swept, "swept", " between samples")
+
+
+def _failure(r: RequirementReport, value: float, kind: str, where: str) -> Violation:
+    step, of = r.critical or (None, "")
+    when = "" if step is None or where else f" at step {step}"
+    holds = r.true is not None and r.true >= r.margin and not where
+    tail = "; it holds at the true positions" if holds else ""
+    text = (
+        f"requirement {r.name} fails{where}{when}: "
+        f"robustness {value:.6g}{' ' + of if of else ''} < margin {r.margin:g}{tail}"
+    )
+    return Violation(kind, text, r.margin - value, step, None, r.span)
+
+
+def position_findings(
+    mission: Mission, reports: Sequence[RequirementReport]
+) -> Iterator[tuple[bool, Violation]]:
+    """Requirements that hold on the cells but not at the true positions.
+
+    The flag tells whether the cell bounds promised to be rigorous: then it is a violation.
+    """
+    for r, requirement in zip(reports, mission.requirements, strict=True):
+        if r.true is None or not r.satisfied or r.true >= r.margin - TOLERANCE:
+            continue
+        rigorous = _rigorous(mission, requirement.formula)
+        if rigorous and r.true >= r.margin - TRUE_SLACK:
+            continue
+        text = (
+            f"requirement {r.name} holds on the cell model ({r.robustness:.6g}) but not at the "
+            f"true positions ({r.true:.6g})"
+        )
+        step = r.critical[0] if r.critical else None
+        yield rigorous, Violation("link", text, r.margin - r.true, step, None, r.span)
+
+
+def _rigorous(mission: Mission, formula: Node) -> bool:
+    channels = {n.channel for n in walk(formula) if isinstance(n, Link)}
+    return all(mission.channels[c].predicate_bound is Bound.WORST for c in channels)
+
+
+def critical(evaluator: Evaluator, root: Node) -> tuple[int, str] | None:
+    """Step and unit of the predicate that decides the robustness of a judged formula at step 0.
+
+    Follows the arguments at which each minimum or maximum is taken; None for a constant.
+    """
+    node, step, positive = root, 0, True
+    while True:
+        if isinstance(node, Linear | Link):
+            shift = node.shift if isinstance(node, Link) else 0
+            return step + shift, unit(node)
+        options = _options(evaluator, node, step, positive)
+        if not options:
+            return None
+        target = evaluator.judged(node, positive)[step]
+        values = np.abs([evaluator.judged(n, s)[t] for n, t, s in options])
+        gaps = np.where(values == abs(target), 0.0, np.abs(values - min(abs(target), 1e300)))
+        node, step, positive = options[int(np.argmin(gaps))]
+
+
+def _options(
+    evaluator: Evaluator, node: Node, step: int, positive: bool
+) -> list[tuple[Node, int, bool]]:
+    """(sub-formula, step, polarity) whose values, up to sign, the node's value is one of."""
+    match node:
+        case Not(arg=arg):
+            return [(arg, step, not positive)]
+        case And(args=args) | Or(args=args):
+            return [(arg, step, positive) for arg in args]
+        case Implies(left=left, right=right):
+            return [(left, step, not positive), (right, step, positive)]
+        case Iff(left=left, right=right):
+            return [(n, step, s) for n in (left, right) for s in (positive, not positive)]
+        case Timed():
+            return [(node.at(step), step, positive)]
+        case Always(arg=arg, start=a, end=b) | Eventually(arg=arg, start=a, end=b):
+            last = len(evaluator.judged(arg, positive)) - 1
+            stop = last if b is None else min(step + b, last)
+            return [(arg, t, positive) for t in range(step + a, stop + 1)]
+        case _:
+            return _until_options(evaluator, node, step, positive)
+
+
+def _until_options(
+    evaluator: Evaluator, node: Node, step: int, positive: bool
+) -> list[tuple[Node, int, bool]]:
+    options = []
+    for child in node.children:
+        last = len(evaluator.judged(child, positive)) - 1
+        options += [(child, t, positive) for t in range(step, last + 1)]
+    return options

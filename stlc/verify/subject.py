@@ -1,0 +1,76 @@
+"""What is judged: a plan that fits its mission, with positions and tables at hand."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.channels import ChannelTables
+from stlc.errors import UsageError
+from stlc.ir.nodes import Role
+from stlc.mission import Mission
+from stlc.plan import Plan, mission_digest
+
+Array = NDArray[np.float64]
+
+TOLERANCE = 1e-6
+"""Slack on every condition, in its own unit; relative where numbers are larger than 1."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Subject:
+    """A plan beside its mission.
+
+    `positions` are (T+1, 2) [m] of every agent and station that is somewhere.
+    """
+
+    mission: Mission
+    plan: Plan
+    tables: ChannelTables
+    positions: Mapping[str, Array]
+
+    @property
+    def signals(self) -> dict[tuple[str, Role], Array]:
+        """States and inputs as the signals of formulas."""
+        runs = self.plan.runs.items()
+        states = {(name, Role.STATE): run.states for name, run in runs}
+        return states | {(name, Role.INPUT): run.inputs for name, run in runs}
+
+
+def make_subject(mission: Mission, plan: Plan, tables: ChannelTables | None) -> Subject:
+    """Join plan and mission. Raises UsageError when the plan is of another mission's shape."""
+    _check_shape(mission, plan)
+    length = mission.horizon + 1
+    positions = {s.name: np.tile(s.position, (length, 1)) for s in mission.stations.values()}
+    for name, agent in mission.agents.items():
+        if agent.dynamics.position is not None:
+            positions[name] = plan.runs[name].states @ agent.dynamics.position.T
+    return Subject(mission, plan, tables or ChannelTables(mission), positions)
+
+
+def _check_shape(mission: Mission, plan: Plan) -> None:
+    if set(plan.runs) != set(mission.agents):
+        theirs, ours = (", ".join(sorted(names)) for names in (plan.runs, mission.agents))
+        raise UsageError(f"the plan is for agents {theirs}; the mission has {ours}")
+    if plan.horizon != mission.horizon:
+        raise UsageError(f"the plan has {plan.horizon} steps; the mission has {mission.horizon}")
+    if abs(plan.step - mission.step) > 1e-12 * mission.step:
+        raise UsageError(f"the plan's step is {plan.step:g} s; the mission's is {mission.step:g} s")
+    for name, agent in mission.agents.items():
+        run, (n, m) = plan.runs[name], agent.dynamics.B.shape
+        if run.states.shape != (plan.horizon + 1, n) or run.inputs.shape != (plan.horizon, m):
+            raise UsageError(
+                f"the plan gives {name} states of shape {run.states.shape} and inputs of shape "
+                f"{run.inputs.shape}; the mission needs {(plan.horizon + 1, n)} and "
+                f"{(plan.horizon, m)}"
+            )
+        if not (np.isfinite(run.states).all() and np.isfinite(run.inputs).all()):
+            raise UsageError(f"the plan holds numbers for {name} that are not finite")
+
+
+def stale(mission: Mission, plan: Plan) -> bool:
+    """The mission's text has changed since the plan was made."""
+    return plan.sha256 != mission_digest(mission)
