@@ -75,7 +75,8 @@ MESSAGES: Final[tuple[Message, ...]] = (
         any_token=True,
     ),
     Message(
-        ("require a: x >", "require a: x >= 1 <", "require a: x +", "require a: x *", "require a: -",
+        ("require a: x >", "require a: x >= 1 <", "require a: x +", "require a: x *",
+         "require a: -",
          "require a: x /", "require a: x ^", "require a: x -"),
         "an operator without a right side",
         "expected a value after this",
@@ -137,7 +138,7 @@ MESSAGES: Final[tuple[Message, ...]] = (
         "write `[0, 5]`",
     ),
     Message(
-        ("require a: always[0, 5, 6] x > 0"),
+        ("require a: always[0, 5, 6] x > 0",),
         "an interval has two ends",
         "expected `]`",
         "write `[0, 5]`",
@@ -257,7 +258,7 @@ MESSAGES: Final[tuple[Message, ...]] = (
          "workspace box [0, 1] x [0, 1] x [0, 1]"),
         "unexpected `{found}` after a shape",
         "the shape is complete before this",
-        "corners follow each other without commas; shapes are joined by `+`; the plane has two axes",
+        "corners follow each other without commas; shapes are joined by `+`; there are two axes",
         any_token=True,
     ),
     Message(
@@ -344,7 +345,8 @@ MESSAGES: Final[tuple[Message, ...]] = (
     ),
     # --- blocks ---
     Message(
-        ("agent r : c { 3 }", "agent r : c { (1, 2) }", "channel c { = 3 }", "agent r : c { a 1; 2 }"),
+        ("agent r : c { 3 }", "agent r : c { (1, 2) }", "channel c { = 3 }",
+         "agent r : c { a 1; 2 }"),
         "a property starts with its name",
         "expected the name of a property",
         "write `name value`, one on each line or separated by `;`",

@@ -182,7 +182,8 @@ class _Context:
         if self._last == "DOT":
             self._emit(NAME, token, operand=True)
             return
-        if self.shaped and self._shape_word(token):
+        in_list = bool(self.frames) and self.frames[-1] == "["
+        if self.shaped and not in_list and self._shape_word(token):
             return
         placed = self.operand or self._last == "KEY"
         if self._in_property and placed and self._property_word(token):
@@ -261,8 +262,7 @@ class _Context:
         after = self._peek()
         long = len(token.text) > 2
         if after.text == "[":
-            beyond = self._after_bracket(1)
-            return long or self._begins_operand(beyond, _NOTHING) or beyond.kind == "$END"
+            return long or self._is_interval()
         if after.text == "|":
             return long or self._hugs(after)
         if after.text in ("-", "−"):
@@ -270,6 +270,14 @@ class _Context:
         if long and (after.kind == "$END" or word_terminals().get(after.text) in _CONNECTIVES):
             return word_terminals().get(self._peek(2).text) not in BINARY
         return self._begins_operand(after, self._peek(2))
+
+    def _is_interval(self) -> bool:
+        """Whether the bracket that follows is an interval and not the index of a family."""
+        beyond = self._after_bracket(1)
+        if self._peek(2).text in ("]", "") or self._peek(3).text == "]":
+            minus = beyond.text in ("-", "−")
+            return not minus and self._begins_operand(beyond, _NOTHING)
+        return self._begins_operand(beyond, _NOTHING) or beyond.kind == "$END"
 
     def _hugs(self, bar: Token) -> bool:
         """A bar with a blank before and none after it opens an absolute value."""
@@ -287,7 +295,7 @@ class _Context:
             return True
         # A binary word as first word of an operand is a name: `always in > 3`.
         kind = symbol_terminals().get(second.text, "")
-        return kind in _NAME_BEFORE - {"LBRACE"}
+        return kind in _NAME_BEFORE - {"LBRACE"} and second.text != "|"
 
     def _after_bracket(self, ahead: int) -> Token:
         """The raw token after the bracket that opens `ahead` tokens on is closed."""

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from stlc.diagnostics import Diagnostic, Fix
-from stlc.source import Source, Span
+from stlc.source import Source
 from stlc.syntax import ast
 from stlc.syntax.errors import AmbiguousMix
 
@@ -39,27 +41,13 @@ class Mixes:
             self._warn(f"`{word}` beside `{right.operator}`", right)
 
     def look_at_logical(self, node: ast.Logical) -> None:
-        """`always a and b`, `a until b and c`, `a implies b implies c`."""
+        """`always a and b`, `a until b and c`, `a implies b implies c`: the first that is bare."""
         for position, arg in enumerate(node.args):
-            if not self._bare(arg):
-                continue
-            match arg:
-                case ast.TemporalPair():
-                    self._warn(f"`{arg.operator}` beside `{node.operator}`", arg)
-                case ast.Temporal() if self._swallows(node, position):
-                    self._warn(f"`{arg.operator}` before `{node.operator}`", arg)
-                case ast.Logical(operator="implies") if node.operator == "implies":
-                    self._warn("`implies` beside `implies`", arg)
-                case _:
-                    continue
-            return
-
-    def _swallows(self, node: ast.Logical, position: int) -> bool:
-        """Whether a reader may take the next operand into the scope of this temporal one."""
-        if position + 1 >= len(node.args):
-            return False
-        after = node.args[position + 1]
-        return not (isinstance(after, ast.Temporal | ast.TemporalPair) and self._bare(after))
+            if self._bare(arg) and unclear(node, position, self._bare):
+                words = "before" if isinstance(arg, ast.Temporal) else "beside"
+                inner = getattr(arg, "operator", "not")
+                self._warn(f"`{inner}` {words} `{node.operator}`", arg)
+                return
 
     def _warn(self, what: str, inner: ast.Expr) -> None:
         text = " ".join(inner.span.text.split())
@@ -70,10 +58,32 @@ class Mixes:
                 what=what,
                 reading=f"({short})",
                 inner=short,
-                fix=Fix(_whole(inner.span), f"({inner.span.text})"),
+                fix=Fix(inner.span, f"({inner.span.text})"),
             )
         )
 
 
-def _whole(span: Span) -> Span:
-    return span
+def unclear(
+    node: ast.Logical, position: int, bare: Callable[[ast.Expr], bool] = lambda _: True
+) -> bool:
+    """Whether the operand at this position, without parentheses, is grouped otherwise elsewhere.
+
+    `bare` tells whether an operand stands without parentheses.
+    """
+    match node.args[position]:
+        case ast.TemporalPair():
+            return True
+        case ast.Temporal():
+            return _swallows(node, position, bare)
+        case ast.Logical(operator="implies"):
+            return node.operator == "implies"
+        case _:
+            return False
+
+
+def _swallows(node: ast.Logical, position: int, bare: Callable[[ast.Expr], bool]) -> bool:
+    """Whether a reader may take the next operand into the scope of this temporal one."""
+    if position + 1 >= len(node.args):
+        return False
+    after = node.args[position + 1]
+    return not (isinstance(after, ast.Temporal) and bare(after))

@@ -16,6 +16,7 @@ MAX_LINE: Final = 1_000_000
 _LOOKALIKES: Final = {
     "“": '"', "”": '"', "„": '"', "‟": '"', "‘": "'", "’": "'", "–": "-", "—": "-", "×": "x",
     "：": ":", "，": ",", "（": "(", "）": ")", "；": ";", "＝": "=",
+    "\u00a0": " ", "\u2003": " ", "\u3000": " ", "\v": " ",
 }  # fmt: skip
 
 
@@ -46,10 +47,10 @@ def stray(source: Source, token: Token) -> Diagnostic:
     char = token.text
     lookalike = _LOOKALIKES.get(char)
     if lookalike is not None:
-        advice = f"write `{lookalike}`; this look-alike comes with text copied from a document"
-        return UnknownCharacter(
-            span=span, shown=f"`{char}`", advice=advice, fix=Fix(span, lookalike)
-        )
+        wanted = f"`{lookalike}`" if lookalike.strip() else "a blank"
+        advice = f"write {wanted}; this look-alike comes with text copied from a document"
+        fix = Fix(span, lookalike)
+        return UnknownCharacter(span=span, shown=_shown(char), advice=advice, fix=fix)
     return UnknownCharacter(span=span, shown=_shown(char))
 
 

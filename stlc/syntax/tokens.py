@@ -51,7 +51,7 @@ def _pattern() -> re.Pattern[str]:
         NAME: r"(?<=\d)x(?=\d)|[^\W\d]\w*",
         STRING: r'"(?:[^"\\\n]|\\[^\n])*"?',
         SYMBOL: r"\[[ \t]*\]|" + _alternatives(frozenset(symbols)),
-        BAD: r".",
+        BAD: r"[^ \t\r\f]",
     }
     body = "|".join(f"(?P<{name}>{pattern})" for name, pattern in parts.items())
     return re.compile(rf"[ \t\r\f]*(?:{body})")
@@ -59,7 +59,7 @@ def _pattern() -> re.Pattern[str]:
 
 def tokenize(text: str) -> Iterator[Token]:
     """All tokens, newlines and comments included."""
-    for match in _pattern().finditer(text):
+    for match in _pattern().finditer(text, 0, len(text.rstrip(" \t\r\f"))):
         kind = match.lastgroup
         if kind is not None:
             start, end = match.span(kind)

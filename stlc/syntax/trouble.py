@@ -80,7 +80,7 @@ def explain(trouble: Trouble) -> Explained:
 def _alien_line(trouble: Trouble) -> bool:
     """Whether a complete statement is followed by a line that is none."""
     token = trouble.token
-    if trouble.at_end or trouble.index > 0 and not trouble.allows("$END"):
+    if trouble.at_end or (trouble.index > 0 and not trouble.allows("$END")):
         return False
     if not token.text[:1].isalpha() and trouble.index > 0:
         return False
@@ -154,14 +154,11 @@ def _by_sample(trouble: Trouble) -> Diagnostic | None:
     if message is None:
         return None
     span, found = trouble.span(trouble.token), trouble.token.text
-    texts = {
-        "what": message.what.replace("{found}", found),
-        "place": message.place.replace("{found}", found),
-        "advice": message.advice.replace("{found}", found),
-    }
-    if trouble.at_end:
-        return UnexpectedEnd(span=span, **texts)
-    return SyntaxMistake(span=span, **texts)
+    what, place, advice = (
+        text.replace("{found}", found) for text in (message.what, message.place, message.advice)
+    )
+    kind = UnexpectedEnd if trouble.at_end else SyntaxMistake
+    return kind(span=span, what=what, place=place, advice=advice)
 
 
 def _plain(trouble: Trouble) -> Diagnostic:

@@ -1,0 +1,22 @@
+"""Equality of syntax trees up to the places of their nodes."""
+
+from __future__ import annotations
+
+from dataclasses import fields, is_dataclass
+
+from stlc.source import Source, Span
+
+
+def same_syntax(left: object, right: object) -> bool:
+    """Whether two nodes (or tuples of nodes) say the same, wherever they were written."""
+    if type(left) is not type(right):
+        return False
+    if isinstance(left, tuple) and isinstance(right, tuple):
+        pairs = zip(left, right, strict=False)
+        return len(left) == len(right) and all(same_syntax(a, b) for a, b in pairs)
+    if isinstance(left, Span | Source):
+        return True
+    if is_dataclass(left):
+        names = (field.name for field in fields(left) if field.name != "comments")
+        return all(same_syntax(getattr(left, name), getattr(right, name)) for name in names)
+    return left == right

@@ -1,0 +1,283 @@
+"""Expressions and shapes as text in the one style of `stlc fmt`.
+
+Parentheses stand where the grammar needs them, and where readers of other tools would group
+differently (the places that W0101 warns about), so that printing never hides a meaning.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from stlc.syntax import ast
+from stlc.syntax.context import word_terminals
+from stlc.syntax.mixes import unclear
+from stlc.syntax.units import UNITS
+
+_IFF, _IMPLIES, _OR, _AND, _UNTIL, _UNARY, _MEMBER, _COMPARE = range(1, 9)
+_SUM, _PRODUCT, _SIGNED, _POWER, _POSTFIX = range(9, 14)
+_LOGICAL: Final = {"iff": _IFF, "implies": _IMPLIES, "or": _OR, "and": _AND}
+_ARITHMETIC: Final = {"+": _SUM, "-": _SUM, "*": _PRODUCT, "/": _PRODUCT, "^": _POWER}
+
+
+def level(node: ast.Expr) -> int:
+    """How tightly the node's outermost operator binds."""
+    match node:
+        case ast.Logical():
+            return _LOGICAL[node.operator]
+        case ast.TemporalPair():
+            return _UNTIL
+        case ast.Not() | ast.Temporal() | ast.Quantifier():
+            return _UNARY
+        case ast.Membership() | ast.Swept():
+            return _MEMBER
+        case ast.Comparison():
+            return _COMPARE
+        case ast.Arithmetic():
+            return _ARITHMETIC[node.operator]
+        case ast.Negate():
+            return _SIGNED
+        case ast.Range():
+            return 0
+        case _:
+            return _POSTFIX
+
+
+def show(node: ast.Expr) -> str:
+    """The expression as text."""
+    match node:
+        case ast.Number():
+            return f"{node.text} {node.unit}" if node.unit else node.text
+        case ast.String():
+            return quoted(node)
+        case ast.Bool():
+            return "true" if node.value else "false"
+        case ast.Name():
+            return _name(node.text)
+        case ast.Attribute():
+            return f"{_base(node.base)}.{node.attr.text}"
+        case ast.Index():
+            return f"{_base(node.base)}[{_list(node.indices)}]"
+        case ast.Call():
+            return f"{node.function.text}({_list(node.args)})"
+        case ast.Tuple():
+            return f"({_list(node.items)})"
+        case ast.List():
+            return f"[{_list(node.items)}]"
+        case ast.Absolute():
+            return f"|{show(node.arg)}|"
+        case ast.Range():
+            return f"{_at(node.start, _SUM)}..{_at(node.end, _SUM)}"
+        case _:
+            return _show_operator(node)
+
+
+def _show_operator(node: ast.Expr) -> str:
+    match node:
+        case ast.Negate():
+            return f"-{_at(node.arg, _POWER)}"
+        case ast.Arithmetic():
+            return _arithmetic(node)
+        case ast.Comparison():
+            return _comparison(node)
+        case ast.Membership():
+            swept = " swept" if node.swept else ""
+            place = _at(node.place, _SUM)
+            return f"{_at(node.subject, _SUM)} {node.relation} {place}{swept}"
+        case ast.Swept():
+            return f"{_at(node.arg, _COMPARE)} swept"
+        case ast.Not():
+            return f"not {_at(node.arg, _UNARY)}"
+        case ast.Temporal():
+            arg = _at(node.arg, _UNARY)
+            return f"{node.operator}{_interval(node.interval)} {arg}"
+        case ast.TemporalPair():
+            return _pair(node)
+        case ast.Logical():
+            return _logical(node)
+        case ast.Quantifier():
+            return _quantifier(node)
+        case _:
+            raise AssertionError(node)
+
+
+def quoted(node: ast.String) -> str:
+    """A string with its quotes."""
+    inner = node.value.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{inner}"'
+
+
+def _name(text: str) -> str:
+    """A name; one that is also an operator's word is kept apart by parentheses."""
+    return f"({text})" if len(text) > 2 and text in word_terminals() else text
+
+
+def _list(items: tuple[ast.Expr, ...]) -> str:
+    return ", ".join(map(show, items))
+
+
+def _at(node: ast.Expr, least: int) -> str:
+    """The node, in parentheses if it binds less tightly than `least`."""
+    loose = level(node) < least or (isinstance(node, ast.Quantifier) and node.kind == "sum")
+    return f"({show(node)})" if loose else show(node)
+
+
+def _base(node: ast.Expr) -> str:
+    named = isinstance(node, ast.Name | ast.Attribute | ast.Index | ast.Call)
+    return show(node) if named else f"({show(node)})"
+
+
+def _arithmetic(node: ast.Arithmetic) -> str:
+    own = level(node)
+    if node.operator == "^":
+        plain = not isinstance(node.left, ast.Number) or node.left.unit is None
+        base = _at(node.left, _POSTFIX) if plain else f"({show(node.left)})"
+        return f"{base}^{_at(node.right, _SIGNED)}"
+    return f"{_at(node.left, own)} {node.operator} {_at(node.right, own + 1)}"
+
+
+def _comparison(node: ast.Comparison) -> str:
+    text = _at(node.operands[0], _SUM)
+    for operator, operand in zip(node.operators, node.operands[1:], strict=True):
+        text += f" {operator} {_at(operand, _SUM)}"
+    return text
+
+
+def _interval(interval: ast.Interval | None) -> str:
+    if interval is None:
+        return ""
+    end = show(interval.end) if interval.end is not None else "end"
+    return f"[{show(interval.start)}, {end}]"
+
+
+def open_right(node: ast.Expr) -> bool:
+    """Whether the text ends with a quantifier's body, which would swallow what follows."""
+    match node:
+        case ast.Quantifier():
+            return True
+        case ast.Not() | ast.Temporal():
+            return open_right(node.arg)
+        case ast.TemporalPair():
+            return open_right(node.right)
+        case ast.Logical():
+            return open_right(node.args[-1])
+        case _:
+            return False
+
+
+def _pair(node: ast.TemporalPair) -> str:
+    apart = isinstance(node.left, ast.Not | ast.Temporal) or open_right(node.left)
+    left = f"({show(node.left)})" if apart else _at(node.left, _UNARY)
+    return f"{left} {node.operator}{_interval(node.interval)} {_at(node.right, _UNARY)}"
+
+
+def logical_parts(node: ast.Logical) -> list[str]:
+    """The operands of a connective, with their parentheses."""
+    return [_operand(node, position) for position in range(len(node.args))]
+
+
+def _operand(node: ast.Logical, position: int) -> str:
+    arg = node.args[position]
+    last = position == len(node.args) - 1
+    least = _LOGICAL[node.operator] + (node.operator != "iff" or position > 0)
+    mixed = isinstance(arg, ast.Logical) and {arg.operator, node.operator} == {"and", "or"}
+    if mixed or unclear(node, position) or (open_right(arg) and not last):
+        return f"({show(arg)})"
+    return _at(arg, least)
+
+
+def _logical(node: ast.Logical) -> str:
+    return f" {node.operator} ".join(logical_parts(node))
+
+
+def _quantifier(node: ast.Quantifier) -> str:
+    names = ", ".join(variable.text for variable in node.variables)
+    variables = f"({names})" if len(node.variables) > 1 else names
+    least = _SUM if not isinstance(node.domain, ast.Range) else 0
+    domain = _at(node.domain, least)
+    body = show(node.body)
+    if node.kind == "sum" and level(node.body) < _SUM:
+        body = f"({body})"
+    return f"{node.kind} {variables} in {domain}: {body}"
+
+
+# --- properties ------------------------------------------------------------------------------
+
+_ENDS_IN_NUMBER: Final = re.compile(r"(?:^|[^\w.])(?:\d[\d.]*|\.\d+)(?:[eE][+-]?\d+)?$")
+
+
+def show_property(item: ast.Property) -> str:
+    """One property of a block."""
+    key = item.key.text
+    if not item.args:
+        return key
+    if item.assigned:
+        return f"{key} = {show(item.args[0])}"
+    first, *rest = item.args
+    if _starts_with(first, key):
+        text = key + show(first).removeprefix(_name(key))
+    else:
+        text = f"{key} {_word(first)}"
+    before = first
+    for arg in rest:
+        text = _append(text, before, arg)
+        before = arg
+    return text
+
+
+def _starts_with(first: ast.Expr, key: str) -> bool:
+    """`speed <= 2`: the comparison begins with the key itself."""
+    match first:
+        case ast.Comparison(operands=(ast.Name(text=text), *_)):
+            return text == key
+        case ast.Membership(subject=ast.Name(text=text), relation="in", swept=False):
+            return text == key
+        case _:
+            return False
+
+
+def _word(arg: ast.Expr) -> str:
+    """A value among the words of a property."""
+    if isinstance(arg, ast.Name) and (arg.text == "x" or arg.text in word_terminals()):
+        return f"({arg.text})"
+    return _at(arg, _COMPARE)
+
+
+def _append(text: str, before: ast.Expr, arg: ast.Expr) -> str:
+    word = _word(arg)
+    sizes = (ast.Number, ast.List)
+    if isinstance(before, sizes) and type(before) is type(arg):
+        return f"{text} x {word}"
+    unit = isinstance(arg, ast.Name) and arg.text in UNITS and _ENDS_IN_NUMBER.search(text)
+    if unit or word.startswith("-"):
+        word = f"({word})"
+    return f"{text} {word}"
+
+
+# --- shapes ----------------------------------------------------------------------------------
+
+
+def show_shape(shape: ast.Shape) -> str:
+    """The shape as text."""
+    match shape:
+        case ast.Box():
+            return f"box [{_list(shape.x)}] x [{_list(shape.y)}]"
+        case ast.PolygonShape():
+            rings = [shape.ring, *shape.holes]
+            return "polygon " + " hole ".join(" ".join(map(show, ring)) for ring in rings)
+        case ast.GeoJson():
+            feature = f" feature {quoted(shape.feature)}" if shape.feature else ""
+            return f"geojson {quoted(shape.path)}{feature}"
+        case ast.NamedShape():
+            return shape.name.text
+        case ast.Moving():
+            frames = (f"{show(when)}: {show_shape(where)}" for when, where in shape.frames)
+            return f"moving {{ {'; '.join(frames)} }}"
+        case ast.Union():
+            return " + ".join(_part(part) for part in shape.parts)
+        case _:
+            raise AssertionError(shape)
+
+
+def _part(shape: ast.Shape) -> str:
+    return f"({show_shape(shape)})" if isinstance(shape, ast.Union) else show_shape(shape)
