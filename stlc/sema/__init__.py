@@ -1,1 +1,55 @@
+"""Names, units and shapes: from syntax to a checked mission."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from stlc.source import Source
+
+if TYPE_CHECKING:
+    from stlc.mission import Mission
+
+
+def load_mission(
+    source: Source,
+    params: Mapping[str, str | float] | None = None,
+    folder: Path | None = None,
+    allow_paths: Iterable[Path] = (),
+) -> Mission:
+    """Parse and check a mission.
+
+    `params` override `param` statements: numbers, or texts with units such as "3 m/s". Files that
+    the mission names are read from under `folder` and `allow_paths` only; without a folder none.
+    Raises MissionError with all diagnostics of syntax and meaning together; warnings alone end up
+    in `Mission.warnings`.
+    """
+    from stlc.loader import FolderLoader, MemoryLoader
+    from stlc.sema.analyse import analyse
+    from stlc.sema.report import Report
+    from stlc.syntax.parse import parse
+
+    result = parse(source)
+    report = Report()
+    for diagnostic in result.diagnostics:
+        report.add(diagnostic)
+    loader = MemoryLoader() if folder is None else FolderLoader(folder, tuple(allow_paths))
+    return analyse(result.file, params=params, loader=loader, report=report)
+
+
+def load_all_diagnostics() -> None:
+    """Import every module that defines diagnostics of meaning or syntax, for the catalogue."""
+    from importlib import import_module
+
+    for name in (
+        "stlc.syntax.errors",
+        "stlc.sema.name_errors",
+        "stlc.sema.unit_errors",
+        "stlc.sema.shape_errors",
+        "stlc.sema.time_errors",
+        "stlc.sema.channel_errors",
+        "stlc.sema.objective_errors",
+        "stlc.sema.warnings",
+    ):
+        import_module(name)

@@ -1,0 +1,105 @@
+"""Reads the files that a mission names, from under its own folder only unless allowed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Protocol
+
+MOST_BYTES = 256 * 2**20
+
+_CHECK = "check the name; paths are relative to the file that names them"
+
+
+class LoadError(Exception):
+    """A file that can't be read; `reason` and `hint` are for the person."""
+
+    def __init__(self, reason: str, hint: str) -> None:
+        self.reason = reason
+        self.hint = hint
+        super().__init__(reason)
+
+
+class Loader(Protocol):
+    """Where files come from. Names are relative to `base`, the name of the file that names them."""
+
+    def read_bytes(self, name: str, base: str) -> bytes:
+        """Content of a file. Raises LoadError."""
+        ...
+
+    def resolve(self, name: str, base: str) -> str:
+        """One spelling for each file, so that cycles are seen. Raises LoadError."""
+        ...
+
+    def path(self, name: str, base: str) -> Path:
+        """Where the file is on disk, for readers of data. Raises LoadError."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class FolderLoader:
+    """Files under `root` and under the folders in `allow`; symbolic links don't lead out."""
+
+    root: Path
+    allow: Sequence[Path] = ()
+
+    def resolve(self, name: str, base: str) -> str:
+        """Absolute path of a file. Raises LoadError when it lies elsewhere."""
+        if "\0" in name or not name:
+            raise LoadError("not a file name", "give the name of a file")
+        path = (self._folder(base) / name).resolve()
+        roots = [Path(r).resolve() for r in (self.root, *self.allow)]
+        if not any(path.is_relative_to(r) for r in roots):
+            raise LoadError(
+                "lies outside the mission's folder",
+                "move it beside the mission, or allow its folder: `--allow-path FOLDER`",
+            )
+        return str(path)
+
+    def path(self, name: str, base: str) -> Path:
+        """Where a file is that is there and may be read. Raises LoadError."""
+        path = Path(self.resolve(name, base))
+        if not path.is_file():
+            raise LoadError("there is no such file", _CHECK)
+        return path
+
+    def _folder(self, base: str) -> Path:
+        known = Path(base)
+        return known.parent if known.is_absolute() else self.root
+
+    def read_bytes(self, name: str, base: str) -> bytes:
+        """Content of a file. Raises LoadError."""
+        path = Path(self.resolve(name, base))
+        try:
+            if path.is_dir():
+                raise LoadError("is a folder, not a file", _CHECK)
+            if path.stat().st_size > MOST_BYTES:
+                raise LoadError(f"is larger than {MOST_BYTES // 2**20} MiB", "use a smaller file")
+            return path.read_bytes()
+        except FileNotFoundError:
+            raise LoadError("there is no such file", _CHECK) from None
+        except (OSError, ValueError) as error:
+            raise LoadError(getattr(error, "strerror", None) or str(error), _CHECK) from None
+
+
+@dataclass(frozen=True, slots=True)
+class MemoryLoader:
+    """Files held in memory, by name."""
+
+    files: Mapping[str, bytes | str] = field(default_factory=dict)
+
+    def resolve(self, name: str, base: str) -> str:
+        """The name itself."""
+        return name
+
+    def read_bytes(self, name: str, base: str) -> bytes:
+        """Content of a file. Raises LoadError."""
+        content = self.files.get(name)
+        if content is None:
+            raise LoadError("there is no such file", "a text alone has no folder to read from")
+        return content.encode() if isinstance(content, str) else content
+
+    def path(self, name: str, base: str) -> Path:
+        """Raises LoadError: nothing in memory is on disk."""
+        raise LoadError("a text alone has no folder to read from", "save the mission as a file")

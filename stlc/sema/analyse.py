@@ -1,0 +1,246 @@
+"""From syntax to a checked mission: declarations in the order they need one another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import TypeVar
+
+from stlc.errors import MissionError
+from stlc.loader import Loader, MemoryLoader
+from stlc.mission import Mission, ObjectiveTerm, Requirement
+from stlc.sema import agents, channels, checks, clock, horizon, imports, objective
+from stlc.sema.costs import is_cost
+from stlc.sema.expressions import evaluate
+from stlc.sema.files import Files
+from stlc.sema.name_errors import NotHere, Redeclared
+from stlc.sema.overrides import overrides
+from stlc.sema.report import Mistake, Report, with_note
+from stlc.sema.scope import Scope
+from stlc.sema.shape_errors import NotConvex
+from stlc.sema.shapes import Shaper
+from stlc.sema.time_errors import BadStep
+from stlc.sema.unit_errors import UnknownUnit
+from stlc.sema.units import SECOND, UnknownUnitName, parse_unit
+from stlc.sema.values import Env
+from stlc.syntax import ast
+
+S = TypeVar("S", bound=ast.Statement)
+
+Named = (
+    ast.Param | ast.DynamicsDecl | ast.AgentDecl | ast.StationDecl | ast.RegionDecl
+    | ast.ObstacleDecl | ast.ChannelDecl | ast.Let
+)  # fmt: skip
+
+
+def analyse(
+    file: ast.File,
+    *,
+    params: Mapping[str, str | float] | None = None,
+    loader: Loader | None = None,
+    report: Report | None = None,
+) -> Mission:
+    """The checked mission. Raises MissionError with every mistake; warnings stay in the mission.
+
+    `params` override `param` declarations (in their units). `report` may hold diagnostics of the
+    parser already; they are raised together with those found here.
+    """
+    report = report or Report()
+    files = Files(loader or MemoryLoader())
+    scope = Scope(report, evaluate)
+    statements = imports.statements(file, files, report)
+    _declare_names(statements, scope)
+    scope.overrides = overrides(params or {}, scope.declarations, report)
+    mission = _build(file, statements, scope, files)
+    if report.errors:
+        raise MissionError(report.errors)
+    return mission
+
+
+def _of(statements: Iterable[ast.Statement], kind: type[S]) -> list[S]:
+    return [s for s in statements if isinstance(s, kind)]
+
+
+def _each(items: Iterable[S], declare: Callable[[S], object], report: Report) -> None:
+    for item in items:
+        with report.guard():
+            declare(item)
+
+
+def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files: Files) -> Mission:
+    report, shaper = scope.report, Shaper(scope, files)
+    _step(_single(statements, ast.Step, report), scope)
+    _each(_of(statements, ast.Param), lambda s: scope.value(s.value), report)
+    _workspace(_single(statements, ast.Workspace, report), shaper)
+    _each(_first(statements, ast.RegionDecl, scope), shaper.region, report)
+    _each(_first(statements, ast.ObstacleDecl, scope), shaper.obstacle, report)
+    first = _first(statements, ast.DynamicsDecl, scope)
+    _each(first, lambda s: agents.declare_dynamics(s, scope), report)
+    _each(_first(statements, ast.AgentDecl, scope), lambda s: agents.declare(s, scope), report)
+    _each(_first(statements, ast.StationDecl, scope), lambda s: agents.station(s, shaper), report)
+    radios = _first(statements, ast.ChannelDecl, scope)
+    _each(radios, lambda s: channels.declare(s, scope, files), report)
+    _unused_lets(_of(statements, ast.Let), scope)
+    requirements = _requirements(statements, scope)
+    terms = _objective(_of(statements, ast.Objective), scope)
+    given = _horizon(_single(statements, ast.Horizon, report), scope)
+    steps = horizon.derive(requirements, given, objective.last_step(terms), report)
+    mission = Mission(
+        source=file.source,
+        step=scope.step,
+        horizon=steps,
+        workspace=scope.workspace,
+        agents=scope.agents,
+        stations=scope.stations,
+        regions=scope.regions,
+        obstacles=scope.obstacles,
+        channels=scope.channels,
+        requirements=tuple(requirements),
+        objective=objective.finish(terms, tuple(requirements), steps, report),
+        signals=tuple(scope.signals),
+    )
+    return checks.checked(mission, scope)
+
+
+# --- names -------------------------------------------------------------------------------------
+
+
+def _declare_names(statements: list[ast.Statement], scope: Scope) -> None:
+    for statement in statements:
+        if isinstance(statement, ast.SignalDecl):
+            for name in statement.names:
+                _declare(name, statement, scope)
+            with scope.report.guard():
+                _signal_units(statement, scope)
+        elif isinstance(statement, Named):
+            _declare(statement.name, statement, scope)
+
+
+def _declare(name: ast.Ident, statement: ast.Statement, scope: Scope) -> None:
+    known = scope.declarations.get(name.text)
+    if known is None:
+        scope.declarations[name.text] = statement
+        return
+    diagnostic = Redeclared(span=name.span, name=name.text)
+    scope.report.add(with_note(diagnostic, "declared here before", known.span))
+
+
+def _signal_units(statement: ast.SignalDecl, scope: Scope) -> None:
+    unit = None
+    if statement.unit:
+        try:
+            unit = parse_unit(statement.unit.strip("[] ")).unit
+        except UnknownUnitName as error:
+            hint = "known: m, s, kg, N, Hz, rad, dB, dBm, .."
+            raise Mistake(UnknownUnit(span=statement.span, unit=error.name, hint=hint)) from None
+    for name in statement.names:
+        scope.signals.setdefault(name.text, unit)
+
+
+def _first(statements: list[ast.Statement], kind: type[S], scope: Scope) -> list[S]:
+    """The declarations of a kind, without those whose name was taken before."""
+    declared = set(map(id, scope.declarations.values()))
+    return [s for s in _of(statements, kind) if id(s) in declared]
+
+
+def _single(statements: list[ast.Statement], kind: type[S], report: Report) -> S | None:
+    found = _of(statements, kind)
+    for again in found[1:]:
+        what = kind.__name__.lower()
+        problem, hint = f"`{what}` stands twice", "keep one of the two"
+        report.add(NotHere(span=again.span, problem=problem, hint=hint))
+    return found[0] if found else None
+
+
+# --- single statements -------------------------------------------------------------------------
+
+
+def _step(statement: ast.Step | None, scope: Scope) -> None:
+    if statement is None:
+        return
+    with scope.report.guard():
+        value = scope.number(statement.duration, SECOND)
+        if value <= 0:
+            expected = "above 0 s"
+            raise Mistake(
+                BadStep(span=statement.span, name="step", expected=expected, usage="step 1 s")
+            )
+        scope.step = value
+
+
+def _horizon(statement: ast.Horizon | None, scope: Scope) -> int | None:
+    if statement is None:
+        return None
+    with scope.report.guard():
+        count = clock.steps(statement.length, scope)
+        if count >= 1:
+            return count
+        expected = "at least one step"
+        scope.report.add(
+            BadStep(span=statement.span, name="horizon", expected=expected, usage="horizon 20")
+        )
+    return 1
+
+
+def _workspace(statement: ast.Workspace | None, shaper: Shaper) -> None:
+    if statement is None:
+        return
+    with shaper.scope.report.guard():
+        pieces = shaper.pieces(statement.shape)
+        if len(pieces) != 1:
+            raise Mistake(NotConvex(span=statement.shape.span))
+        shaper.scope.workspace = pieces[0]
+
+
+def _unused_lets(lets: list[ast.Let], scope: Scope) -> None:
+    """A plain `let` is evaluated even if nobody uses it, so that its mistakes are found."""
+    for let in lets:
+        if let.parameters or let.name.text in scope.memo:
+            continue
+        if not is_cost(let.body, Env({}), scope):
+            with scope.report.guard():
+                used = set(scope.used)
+                scope.value(let.body)
+                scope.used = used
+
+
+# --- requirements ------------------------------------------------------------------------------
+
+
+def _requirements(statements: list[ast.Statement], scope: Scope) -> list[Requirement]:
+    margin = 0.0
+    statement = _single(statements, ast.Margin, scope.report)
+    if statement is not None:
+        with scope.report.guard():
+            margin = _margin(statement.value, scope)
+    found: dict[str, Requirement] = {}
+    for number, item in enumerate(_of(statements, ast.Require), start=1):
+        name = item.name.text if item.name else f"requirement{number}"
+        if name in found and item.name is not None:
+            diagnostic = Redeclared(span=item.name.span, name=name)
+            scope.report.add(with_note(diagnostic, "declared here before", found[name].span))
+        scope.requirements.append(name)
+        with scope.report.guard():
+            found[name] = _requirement(item, name, margin, scope)
+    return list(found.values())
+
+
+def _margin(expr: ast.Expr, scope: Scope) -> float:
+    value = scope.constant(expr).constant
+    if value < 0:
+        expected = "0 or more"
+        raise Mistake(BadStep(span=expr.span, name="margin", expected=expected, usage="margin 0.1"))
+    return value
+
+
+def _requirement(statement: ast.Require, name: str, margin: float, scope: Scope) -> Requirement:
+    own = margin if statement.margin is None else _margin(statement.margin, scope)
+    formula = scope.formula(statement.formula, Env({}, margin=own))
+    return Requirement(name, formula, own, statement.span)
+
+
+def _objective(statements: list[ast.Objective], scope: Scope) -> list[ObjectiveTerm]:
+    terms: list[ObjectiveTerm] = []
+    for statement in statements:
+        with scope.report.guard():
+            terms.extend(objective.objective(statement, scope))
+    return terms

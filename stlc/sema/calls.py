@@ -1,0 +1,247 @@
+"""Calls: the built-in functions of the language, and parametrised `let`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from stlc.sema import links, scalars
+from stlc.sema.members import point
+from stlc.sema.name_errors import Nonlinear, PastOperator, UnknownName, WrongArity, WrongKind
+from stlc.sema.report import Mistake, suggested_fix, suggestion, with_note
+from stlc.sema.scope import Scope, as_scalar
+from stlc.sema.units import PURE, Unit
+from stlc.sema.values import (
+    Env,
+    Fold,
+    FoldKind,
+    Function,
+    Items,
+    Members,
+    Scalar,
+    Separation,
+    Truth,
+    Value,
+    describe,
+)
+from stlc.source import Span
+from stlc.syntax import ast
+
+SIDES = 16
+"""Faces of the polygon that stands for a Euclidean distance, unless said otherwise."""
+
+MOST_SIDES = 256
+
+PAST = frozenset({"once", "historically", "since", "previous", "prev", "yesterday", "before"})
+
+Builtin = Callable[[ast.Call, tuple[Value, ...], Scope], Value]
+
+
+def call(expr: ast.Call, env: Env, scope: Scope) -> Value:
+    """The value of a call."""
+    name = expr.function.text
+    target = env.bound.get(name)
+    if target is None and name in scope.declarations:
+        found = scope.lookup(name, expr.function.span)
+        target = Function(found) if isinstance(found, ast.Let) else None
+    if isinstance(target, Function):
+        return expand(target.let, expr, env, scope)
+    if name == "P":
+        return links.chance(expr, env, scope)
+    builtin = BUILTINS.get(name)
+    if builtin is None:
+        raise Mistake(_no_function(expr, scope))
+    return builtin(expr, tuple(scope.value(a, env) for a in expr.args), scope)
+
+
+def _no_function(expr: ast.Call, scope: Scope) -> PastOperator | UnknownName | WrongKind:
+    name, span = expr.function.text, expr.function.span
+    if name in PAST:
+        return PastOperator(span=span, name=name)
+    if name in scope.declarations:
+        return WrongKind(span=span, expected="a function", found=f"`{name}`, which takes nothing")
+    known = [*BUILTINS, "P", *(n for n, d in scope.declarations.items() if isinstance(d, ast.Let))]
+    hint = suggestion(name, known, "functions are abs, min, max, separation, distance, rssi, ..")
+    return UnknownName(span=span, name=name, hint=hint, fix=suggested_fix(span, name, known))
+
+
+def expand(let: ast.Let, expr: ast.Call, env: Env, scope: Scope) -> Value:
+    """The body of a `let` with its parameters bound; the body sees no other bound names."""
+    if len(expr.args) != len(let.parameters):
+        raise Mistake(_let_arity(let, expr))
+    values = tuple(scope.value(a, env) for a in expr.args)
+    key = ("call", let.name.text, values, env.positive, env.margin)
+    known = scope.memo.get(key)
+    if known is not None:
+        return Truth(known)
+    bound = {p.text: v for p, v in zip(let.parameters, values, strict=True)}
+    inner = Env(bound, env.positive, env.margin)
+    try:
+        with scope.expanding(let.name.text, expr.span):
+            value = scope.value(let.body, inner)
+    except Mistake as mistake:
+        note = with_note(mistake.diagnostic, f"in this use of `{let.name.text}`", expr.span)
+        raise Mistake(note) from None
+    if isinstance(value, Truth):
+        scope.memo[key] = value.node
+    return value
+
+
+def _let_arity(let: ast.Let, expr: ast.Call) -> WrongArity:
+    usage = f"{let.name.text}({', '.join(p.text for p in let.parameters)})"
+    expected = f"{len(let.parameters)} argument{'s' * (len(let.parameters) != 1)}"
+    return WrongArity(
+        span=expr.span, name=let.name.text, expected=expected, found=len(expr.args), usage=usage
+    )
+
+
+def need(expr: ast.Call, counts: tuple[int, ...], usage: str) -> None:
+    """Raise Mistake unless the call has one of these numbers of arguments."""
+    if len(expr.args) not in counts:
+        expected = " or ".join(str(c) for c in counts) + " arguments"
+        name = expr.function.text
+        raise Mistake(
+            WrongArity(
+                span=expr.span, name=name, expected=expected, found=len(expr.args), usage=usage
+            )
+        )
+
+
+def _spread(expr: ast.Call, args: tuple[Value, ...]) -> tuple[Scalar, ...]:
+    """Arguments as scalars; one list or vector counts as its members."""
+    if len(args) == 1 and isinstance(args[0], Items | Members):
+        args = tuple(args[0].items)
+        return tuple(as_scalar(a, expr.span) for a in args)
+    return tuple(as_scalar(a, e.span) for a, e in zip(args, expr.args, strict=True))
+
+
+def _abs(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
+    need(expr, (1,), "abs(x)")
+    return scalars.absolute(as_scalar(args[0], expr.span), expr.span)
+
+
+def _extreme(pick: Callable[[tuple[Scalar, ...], Span], Scalar]) -> Builtin:
+    def builtin(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
+        items = _spread(expr, args)
+        if not items:
+            need(expr, (2,), f"{expr.function.text}(x, y)")
+        return pick(items, expr.span)
+
+    return builtin
+
+
+def _norm1(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
+    total = Scalar(0.0)
+    for item in _spread(expr, args):
+        total = scalars.add(total, scalars.absolute(item, expr.span), expr.span)
+    return total
+
+
+def _norm_inf(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
+    items = tuple(scalars.absolute(a, expr.span) for a in _spread(expr, args))
+    return scalars.maximum(items, expr.span)
+
+
+def _norm2(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
+    items = _spread(expr, args)
+    if len(items) != 2:
+        raise Mistake(
+            Nonlinear(
+                span=expr.span,
+                what=f"the Euclidean norm of {len(items)} numbers",
+                hint="use `norm1` or `norminf`; the Euclidean norm of two signals is a polygon",
+            )
+        )
+    return euclidean(items[0], items[1], SIDES, expr.span)
+
+
+def euclidean(x: Scalar, y: Scalar, sides: int, span: Span) -> Scalar:
+    """sqrt(x^2 + y^2), to be compared through a polygon that is sound on both sides."""
+    unit = scalars.same_unit((x, y), span, "measured together")
+    if x.is_constant and y.is_constant:
+        return Scalar(math.hypot(x.constant, y.constant), unit=unit)
+    faces = tuple(_face(x, y, 2.0 * math.pi * h / sides, span) for h in range(sides))
+    return Scalar(folds=((Fold(FoldKind.DISTANCE, faces), 1.0),), unit=unit)
+
+
+def _face(x: Scalar, y: Scalar, angle: float, span: Span) -> Scalar:
+    cosine, sine = (0.0 if abs(v) < 1e-15 else v for v in (math.cos(angle), math.sin(angle)))
+    return scalars.add(scalars.scale(x, cosine, x.unit), scalars.scale(y, sine, y.unit), span)
+
+
+def _difference(expr: ast.Call, args: tuple[Value, ...]) -> tuple[Scalar, Scalar]:
+    ax, ay = point(args[0], expr.args[0].span)
+    bx, by = point(args[1], expr.args[1].span)
+    return (
+        scalars.add(ax, bx, expr.span, sign=-1.0),
+        scalars.add(ay, by, expr.span, sign=-1.0),
+    )
+
+
+def _separation(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
+    need(expr, (2,), "separation(a, b)")
+    return Separation(*_difference(expr, args))
+
+
+def _distance(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
+    need(expr, (2, 3), "distance(a, b)")
+    sides = scope.whole(expr.args[2]) if len(args) == 3 else SIDES
+    if not 4 <= sides <= MOST_SIDES:
+        expected = f"4 to {MOST_SIDES} sides"
+        raise Mistake(WrongKind(span=expr.args[2].span, expected=expected, found=str(sides)))
+    return euclidean(*_difference(expr, args), sides, expr.span)
+
+
+def _function(compute: Callable[[float], float]) -> Builtin:
+    def builtin(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
+        need(expr, (1,), f"{expr.function.text}(x)")
+        x = as_scalar(args[0], expr.span)
+        if not x.is_constant:
+            raise Mistake(_not_linear(expr))
+        try:
+            return Scalar(scalars.finite(compute(x.constant), expr.span), unit=_plain(x.unit))
+        except (ValueError, OverflowError):
+            raise Mistake(
+                WrongKind(span=expr.span, expected="a value in its domain", found=str(x.constant))
+            ) from None
+
+    return builtin
+
+
+def _plain(unit: Unit | None) -> Unit | None:
+    return None if unit is None or unit.dims in ((), (("rad", 1),)) else PURE
+
+
+def _not_linear(expr: ast.Call) -> Nonlinear:
+    name = expr.function.text
+    hint = "apply it to constants, or use `abs`, `min`, `max`, `norm1`, `norminf`, `distance`"
+    return Nonlinear(span=expr.span, what=f"`{name}` of a signal", hint=hint)
+
+
+def _scale(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
+    what = "`scale` outside `robustness(scale(..))`"
+    found = ", ".join(describe(a) for a in args)
+    raise Mistake(WrongKind(span=expr.span, expected="a number", found=f"{what} of {found}"))
+
+
+BUILTINS: dict[str, Builtin] = {
+    "abs": _abs,
+    "min": _extreme(scalars.minimum),
+    "max": _extreme(scalars.maximum),
+    "norm1": _norm1,
+    "norminf": _norm_inf,
+    "norm_inf": _norm_inf,
+    "norm": _norm2,
+    "norm2": _norm2,
+    "separation": _separation,
+    "distance": _distance,
+    "rssi": links.quality,
+    "snr": links.quality,
+    "ber": links.quality,
+    "ber_at_mean": links.quality,
+    "prr": links.quality,
+    "link_cost": links.cost,
+    "scale": _scale,
+    **{n: _function(getattr(math, n)) for n in ("sin", "cos", "tan", "exp", "log", "log10")},
+    **{n: _function(getattr(math, n)) for n in ("sqrt", "floor", "ceil")},
+}

@@ -1,0 +1,135 @@
+"""Data files of channels: cost tables and measured samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from stlc.diagnostics import Note
+from stlc.mission import Array
+from stlc.sema import props
+from stlc.sema.channel_errors import BadChannel, BadData
+from stlc.sema.files import Files
+from stlc.sema.report import Mistake
+from stlc.sema.scope import Scope
+from stlc.sema.units import DBM, METRE
+from stlc.sema.warnings import ChannelNote
+from stlc.syntax import ast
+
+if TYPE_CHECKING:
+    from stlc.radio.errors import DataError
+    from stlc.radio.gp import ChannelModel
+    from stlc.radio.samples import Samples
+
+USAGE = 'samples "rssi.csv"'
+
+
+def read_table(path: ast.String, cells: int, files: Files) -> Array:
+    """A square table of costs, one value for each pair of cells, from CSV or NPZ."""
+    from stlc.radio import read
+    from stlc.radio.errors import DataError
+
+    place = files.path(path.value, path.span)
+    try:
+        table = read.read_table(place)
+    except DataError as error:
+        raise Mistake(_bad(path, error)) from None
+    if table.shape != (cells, cells):
+        problem = f"it is {' x '.join(map(str, table.shape))}, not {cells} x {cells}"
+        hint = "give one value for each pair of cells, rows in the order of the partition"
+        raise Mistake(BadData(span=path.span, path=path.value, problem=problem, hint=hint))
+    return table
+
+
+def _bad(path: ast.String, error: DataError) -> BadData:
+    line, column = error.location.line, error.location.column
+    place = "" if line is None else f"line {line}: " if column is None else f"{line}:{column}: "
+    hint = error.help or "see the data section of the language guide"
+    return BadData(span=path.span, path=path.value, problem=f"{place}{error.message}", hint=hint)
+
+
+@dataclass(frozen=True, slots=True)
+class SampleSource:
+    """What a `samples` property says: a file, how to read it, and whether to fit."""
+
+    path: ast.String
+    fit: bool = False
+    offsets: bool = False
+    floor: float | None = None
+    height: float = 0.0
+    where: tuple[str, str] | None = None
+
+
+def sample_source(item: ast.Property, scope: Scope) -> SampleSource:
+    """`samples "rssi.csv" fit offsets floor -100 dBm height 1 m where "run" "3"`."""
+    words = list(item.args)
+    first = words.pop(0) if words else None
+    if not isinstance(first, ast.String):
+        raise props.bad(item, "needs the name of a file first", USAGE)
+    found = SampleSource(first)
+    while words:
+        head = words.pop(0)
+        match head.text if isinstance(head, ast.Name) else "":
+            case "fit":
+                found = replace(found, fit=True)
+            case "offsets":
+                found = replace(found, offsets=True)
+            case "floor" if words:
+                found = replace(found, floor=scope.number(words.pop(0), DBM))
+            case "height" if words:
+                found = replace(found, height=scope.number(words.pop(0), METRE))
+            case "where" if len(words) >= 2:
+                column, value = scope.text(words.pop(0)), scope.text(words.pop(0))
+                found = replace(found, where=(column, value))
+            case _:
+                raise props.bad(item, "has an unknown word", f"{USAGE} fit", head.span)
+    return found
+
+
+def read_samples(source: SampleSource, files: Files) -> Samples:
+    """Measured links. Raises Mistake."""
+    from stlc.radio import read
+    from stlc.radio.errors import DataError
+
+    place = files.path(source.path.value, source.path.span)
+    options = read.SampleOptions(source.height, source.floor, source.where)
+    try:
+        return read.read_samples(place, options)
+    except DataError as error:
+        raise Mistake(_bad(source.path, error)) from None
+
+
+def conditioned(model: ChannelModel, name: str, source: SampleSource, files: Files) -> ChannelModel:
+    """The channel given measurements."""
+    from stlc.radio.errors import RadioError
+    from stlc.radio.gp import condition
+
+    samples = read_samples(source, files)
+    try:
+        return condition(model, samples)
+    except RadioError as error:
+        raise Mistake(_refused(name, source, error)) from None
+
+
+def fitted(
+    name: str, source: SampleSource, kernel: str, d0: float, scope: Scope, files: Files
+) -> ChannelModel:
+    """The channel of maximum likelihood for measurements, conditioned on them."""
+    from stlc.radio.errors import RadioError
+    from stlc.radio.fit import FitOptions, fit_channel
+    from stlc.radio.kernel import KernelName
+
+    samples = read_samples(source, files)
+    options = FitOptions(d0=d0, receiver_offsets=source.offsets, kernel=KernelName(kernel))
+    try:
+        report = fit_channel(samples, options)
+    except RadioError as error:
+        raise Mistake(_refused(name, source, error)) from None
+    for note in report.notes:
+        scope.report.add(ChannelNote(span=source.path.span, channel=name, text=note))
+    return report.model
+
+
+def _refused(name: str, source: SampleSource, error: Exception) -> BadChannel:
+    note = Note("these samples", source.path.span)
+    return BadChannel(span=source.path.span, channel=name, problem=str(error), notes=(note,))

@@ -1,0 +1,251 @@
+"""Radio channels: the values of a block, as a model, a link budget, a partition and tables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+from typing import TYPE_CHECKING
+
+from stlc.mission import Array, Bound, Channel
+from stlc.sema import props, units
+from stlc.sema.channel_data import conditioned, fitted, read_table, sample_source
+from stlc.sema.channel_errors import BadChannel, RayleighWithFading
+from stlc.sema.costs import pairs_of
+from stlc.sema.files import Files
+from stlc.sema.links import missing
+from stlc.sema.partitions import partition
+from stlc.sema.report import Mistake, Reported
+from stlc.sema.scope import Scope
+from stlc.sema.units import Unit
+from stlc.sema.values import ChannelName
+from stlc.sema.warnings import PaperCost
+from stlc.syntax import ast
+
+if TYPE_CHECKING:
+    from stlc.radio.gp import ChannelModel
+    from stlc.radio.links import LinkBudget
+    from stlc.radio.partition import Partition
+
+PROPERTIES = (
+    "path_loss", "L0", "n", "d0", "fading", "shadowing", "length", "kernel", "samples",
+    "noise_floor", "bandwidth", "noise_figure", "modulation", "packet", "sensitivity", "rate",
+    "partition", "cost", "bound", "cost_bound", "table", "pairs",
+)  # fmt: skip
+COSTS = ("inv_snr", "etx", "neg_log_prr", "outage", "neg_rssi", "paper_inv_rssi")
+MODULATIONS = (
+    "bpsk", "qpsk", "dbpsk", "coherent_fsk", "noncoherent_fsk", "oqpsk_802_15_4",
+    "rayleigh_bpsk", "rayleigh_dbpsk", "rayleigh_noncoherent_fsk",
+)  # fmt: skip
+KERNELS = ("symmetrised", "paper_min")
+BOUNDS = tuple(b.value for b in Bound)
+
+
+@dataclass(frozen=True, slots=True)
+class Reader:
+    """The properties of one channel, read by kind."""
+
+    block: props.Block
+    scope: Scope
+
+    def number(self, key: str, unit: Unit, default: float | None = None) -> float | None:
+        """A number in the given unit, or the default."""
+        item = self.block.get(key)
+        if item is None:
+            return default
+        return props.number(item, unit, f"{key} 1 {unit}".strip(), self.scope)
+
+    def variance(self, key: str) -> float:
+        """A variance in dB^2, or a standard deviation in dB; 0 if absent."""
+        item = self.block.get(key)
+        if item is None:
+            return 0.0
+        expr = props.only(item, f"{key} 10 dB^2")
+        scalar = self.scope.constant(expr)
+        if scalar.constant < 0:
+            raise props.bad(item, "can't be negative", f"{key} 10 dB^2")
+        if scalar.unit == units.DB:
+            return scalar.constant**2
+        return self.scope.number(expr, units.DB2)
+
+    def word(self, key: str, choices: tuple[str, ...], default: str) -> str:
+        """One of the words, or the default."""
+        item = self.block.get(key)
+        return default if item is None else props.word(item, choices, f"{key} {choices[0]}")
+
+    def positive(self, key: str, unit: Unit) -> float | None:
+        """A number above 0, or None."""
+        value = self.number(key, unit)
+        if value is not None and value <= 0:
+            raise props.bad(self.block.by_key[key], "must be above 0", f"{key} 1")
+        return value
+
+
+def declare(statement: ast.ChannelDecl, scope: Scope, files: Files) -> None:
+    """Declare a channel. Raises Mistake or Reported."""
+    name = statement.name.text
+    try:
+        scope.channels[name] = channel(statement, scope, files)
+    except (Mistake, Reported):
+        scope.broken.add(name)
+        raise
+    scope.values[name] = ChannelName(name)
+    item = next((p for p in statement.properties if p.key.text == "pairs"), None)
+    if item is not None:
+        listed = (p for e in item.args for p in pairs_of(scope.value(e), e.span))
+        scope.pairs[name] = tuple(dict.fromkeys(listed))
+
+
+def channel(statement: ast.ChannelDecl, scope: Scope, files: Files) -> Channel:
+    """The channel that a block describes."""
+    owner = f"channel `{statement.name.text}`"
+    reader = Reader(props.block(owner, statement.properties, PROPERTIES, scope), scope)
+    cells = _partition(statement, reader, scope)
+    model = _model(statement, reader, files)
+    budget = _budget(reader) if model is not None else None
+    if model is not None and budget is not None:
+        _check_fading(reader, model, budget)
+    made = Channel(
+        name=statement.name.text,
+        partition=cells,
+        model=model,
+        budget=budget,
+        cost=_cost(reader, scope),
+        tables=_tables(reader, cells, files, scope),
+        predicate_bound=Bound(reader.word("bound", BOUNDS, Bound.WORST.value)),
+        cost_bound=Bound(reader.word("cost_bound", BOUNDS, Bound.MEAN.value)),
+        span=statement.name.span,
+    )
+    return made
+
+
+def _partition(statement: ast.ChannelDecl, reader: Reader, scope: Scope) -> Partition:
+    item = reader.block.get("partition")
+    if item is None:
+        why = "cells are what a channel is tabulated on"
+        raise Mistake(missing(statement.name.text, "partition", why, statement.name.span))
+    return partition(item, scope)
+
+
+def _cost(reader: Reader, scope: Scope) -> str:
+    cost = reader.word("cost", COSTS, "inv_snr")
+    if cost == "paper_inv_rssi":
+        scope.report.add(PaperCost(span=reader.block.by_key["cost"].span))
+    return cost
+
+
+def _model(statement: ast.ChannelDecl, reader: Reader, files: Files) -> ChannelModel | None:
+    """The channel model, conditioned on or fitted to samples; None for tables alone."""
+    block, name = reader.block, statement.name.text
+    item = block.get("samples")
+    if block.get("L0", "n", "path_loss", "samples") is None and block.get("table"):
+        return None
+    source = None if item is None else sample_source(item, reader.scope)
+    if source is not None and source.fit:
+        return fitted(name, source, _kernel(reader), _d0(reader), reader.scope, files)
+    model = _prior(statement, reader)
+    return model if source is None else conditioned(model, name, source, files)
+
+
+def _kernel(reader: Reader) -> str:
+    return reader.word("kernel", KERNELS, "symmetrised")
+
+
+def _d0(reader: Reader) -> float:
+    return reader.positive("d0", units.METRE) or 1.0
+
+
+def _prior(statement: ast.ChannelDecl, reader: Reader) -> ChannelModel:
+    from stlc.radio.gp import ChannelModel
+    from stlc.radio.kernel import KernelName
+
+    span, name = statement.name.span, statement.name.text
+    l0, exponent = reader.number("L0", units.DBM), reader.number("n", units.PURE)
+    if l0 is None or exponent is None:
+        what = "path_loss"
+        why = "L0 [dBm at 1 m] and n are needed" if l0 is None else "n is needed"
+        raise Mistake(missing(name, what, why, span))
+    shadowing = reader.variance("shadowing")
+    length = reader.positive("length", units.METRE)
+    if shadowing > 0 and length is None:
+        problem = "shadowing needs a correlation `length`"
+        raise Mistake(BadChannel(span=span, channel=name, problem=problem, hint="add `length 2 m`"))
+    return ChannelModel(
+        l0=l0,
+        exponent=exponent,
+        fading=reader.variance("fading"),
+        shadowing=shadowing,
+        length=length or 1.0,
+        d0=_d0(reader),
+        kernel=KernelName(_kernel(reader)),
+    )
+
+
+def _budget(reader: Reader) -> LinkBudget:
+    """The link budget; a noise floor of NaN is one that nobody gave."""
+    from stlc.radio.links import LinkBudget, Modulation, noise_floor_dbm
+
+    floor = reader.number("noise_floor", units.DBM)
+    bandwidth = reader.positive("bandwidth", units.HERTZ)
+    figure = reader.number("noise_figure", units.DB)
+    rate = reader.positive("rate", units.BIT_RATE)
+    if floor is None and bandwidth is not None and figure is not None:
+        floor = noise_floor_dbm(bandwidth, figure)
+    if rate is not None and bandwidth is None:
+        raise props.bad(reader.block.by_key["rate"], "needs a bandwidth too", "bandwidth 2 MHz")
+    word = reader.word("modulation", MODULATIONS, "")
+    return LinkBudget(
+        noise_floor=nan if floor is None else floor,
+        modulation=Modulation(word) if word else None,
+        bandwidth=bandwidth if rate is not None else None,
+        rate=rate,
+        packet=_packet(reader),
+        sensitivity=reader.number("sensitivity", units.DBM),
+    )
+
+
+def _packet(reader: Reader) -> float | None:
+    """Packet size in bytes; a bare number counts bytes."""
+    item = reader.block.get("packet")
+    if item is None:
+        return None
+    expr = props.only(item, "packet 32 bytes")
+    scalar = reader.scope.constant(expr)
+    size = scalar.constant if scalar.unit is None else reader.scope.number(expr, units.BIT) / 8.0
+    if size <= 0:
+        raise props.bad(item, "must be above 0", "packet 32 bytes")
+    return size
+
+
+def _check_fading(reader: Reader, model: ChannelModel, budget: LinkBudget) -> None:
+    modulation = budget.modulation
+    if modulation is None or not modulation.rayleigh or model.fading == 0:
+        return
+    item = reader.block.by_key["modulation"]
+    plain = modulation.value.removeprefix("rayleigh_")
+    raise Mistake(
+        RayleighWithFading(
+            span=item.span, modulation=modulation.value, fading=model.fading, plain=plain
+        )
+    )
+
+
+def _tables(
+    reader: Reader, cells: Partition, files: Files, scope: Scope
+) -> dict[tuple[str, str] | None, Array]:
+    """`table "cost.csv"`, or one for each pair: `table (r1, r2) "a.csv" (r1, base) "b.csv"`."""
+    item = reader.block.get("table")
+    if item is None:
+        return {}
+    found: dict[tuple[str, str] | None, Array] = {}
+    pair: tuple[str, str] | None = None
+    for expr in item.args:
+        if isinstance(expr, ast.Tuple) and len(expr.items) == 2:
+            first, second = (scope.radio(e).name for e in expr.items)
+            pair = (first, second)
+        elif isinstance(expr, ast.String):
+            found[pair] = read_table(expr, len(cells), files)
+        else:
+            raise props.bad(item, "needs the name of a file", 'table "cost.csv"', expr.span)
+    if not found:
+        raise props.bad(item, "needs the name of a file", 'table "cost.csv"')
+    return found

@@ -1,0 +1,176 @@
+"""Comparisons of piecewise-linear scalars, as formulas over linear and link predicates.
+
+With r + c max_i e_i >= 0 and c > 0 some piece holds, with c < 0 every piece: so each fold becomes
+a disjunction or a conjunction, and robustness is exact because a sum commutes with max and min.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import cos, pi
+from typing import Literal
+
+from stlc.ir.nodes import (
+    And,
+    Const,
+    Linear,
+    Link,
+    Node,
+    Or,
+    Quantity,
+    Relation,
+    Role,
+    Signal,
+)
+from stlc.sema import units
+from stlc.sema.channel_errors import BadLink
+from stlc.sema.name_errors import TooManyPieces
+from stlc.sema.report import Mistake
+from stlc.sema.scalars import add, mismatch, scale
+from stlc.sema.unit_errors import LevelAgainstRatio
+from stlc.sema.values import Fold, FoldKind, LinkAtom, Scalar
+from stlc.source import Span
+
+MOST_PIECES = 4096
+
+Operator = Literal["<", "<=", ">", ">=", "==", "!="]
+
+
+def compare(left: Scalar, operator: Operator, right: Scalar, span: Span, positive: bool) -> Node:
+    """`left operator right`; strict and non-strict are one. Raises Mistake."""
+    left, right = _level_units(left, right, span)
+    match operator:
+        case ">" | ">=":
+            return at_least_zero(_difference(left, right, span), span, positive)
+        case "<" | "<=":
+            return at_least_zero(_difference(right, left, span), span, positive)
+        case "==" | "!=":
+            both = (_difference(left, right, span), _difference(right, left, span))
+            parts = tuple(at_least_zero(d, span, positive) for d in both)
+            return And(parts, span=span) if operator == "==" else Or(parts, span=span)
+
+
+def _difference(left: Scalar, right: Scalar, span: Span) -> Scalar:
+    return add(left, right, span, sign=-1.0)
+
+
+def _level_units(left: Scalar, right: Scalar, span: Span) -> tuple[Scalar, Scalar]:
+    """Both in one unit; a bare number takes the other's."""
+    if left.unit is None or right.unit is None:
+        unit = right.unit if left.unit is None else left.unit
+        return replace(left, unit=unit), replace(right, unit=unit)
+    if left.unit == right.unit:
+        return left, right
+    if left.unit.dims == right.unit.dims:
+        raise Mistake(LevelAgainstRatio(span=span, left=str(left.unit), right=str(right.unit)))
+    raise Mistake(mismatch(left.unit, right.unit, "compared", span))
+
+
+def at_least_zero(scalar: Scalar, span: Span, positive: bool) -> Node:
+    """`scalar >= 0` as a formula."""
+    if _pieces(scalar) > MOST_PIECES:
+        raise Mistake(TooManyPieces(span=span, limit=MOST_PIECES))
+    return _unfold(scalar, span, positive)
+
+
+def _pieces(scalar: Scalar) -> int:
+    total = 1
+    for fold, _ in scalar.folds:
+        total = min(total * sum(_pieces(a) for a in fold.args), MOST_PIECES + 1)
+    return total
+
+
+def _unfold(scalar: Scalar, span: Span, positive: bool) -> Node:
+    if not scalar.folds:
+        return _leaf(scalar, span)
+    (fold, coefficient), *others = scalar.folds
+    rest = replace(scalar, folds=tuple(others))
+    coefficient = _sound(fold, coefficient, positive)
+    alternatives = tuple(
+        _unfold(_plus(rest, scale(arg, coefficient, scalar.unit)), span, positive)
+        for arg in fold.args
+    )
+    some = (fold.kind is FoldKind.MIN) == (coefficient < 0)
+    return _join(Or if some else And, alternatives, span)
+
+
+def _sound(fold: Fold, coefficient: float, positive: bool) -> float:
+    """A polygon's max over faces is within [cos(pi/K) d, d] of the distance d it stands for.
+
+    A requirement must imply the true one, and under a negation be implied by it: so `distance
+    large` is judged by the inner value when it stands positively, `distance small` by the outer.
+    """
+    if fold.kind is not FoldKind.DISTANCE or (coefficient > 0) == positive:
+        return coefficient
+    return coefficient / cos(pi / len(fold.args))
+
+
+def _plus(a: Scalar, b: Scalar) -> Scalar:
+    terms = dict(a.terms)
+    for atom, coefficient in b.terms:
+        terms[atom] = terms.get(atom, 0.0) + coefficient
+    kept = tuple((k, v) for k, v in terms.items() if v != 0.0)
+    return Scalar(a.constant + b.constant, kept, a.folds + b.folds, a.unit)
+
+
+def _join(kind: type[And] | type[Or], parts: tuple[Node, ...], span: Span) -> Node:
+    flat: list[Node] = []
+    for part in parts:
+        flat.extend(part.args if isinstance(part, And | Or) and type(part) is kind else (part,))
+    unique = tuple(dict.fromkeys(flat))
+    return unique[0] if len(unique) == 1 else kind(unique, span=span)
+
+
+def _leaf(scalar: Scalar, span: Span) -> Node:
+    if not scalar.terms:
+        return Const(scalar.constant >= 0.0, span=span)
+    links = [(a, c) for a, c in scalar.terms if isinstance(a, LinkAtom)]
+    if links:
+        return _link(scalar, links, span)
+    signals = [(a, c) for a, c in scalar.terms if isinstance(a, Signal)]
+    signals.sort(key=lambda term: term[0].key)
+    return Linear(tuple(signals), scalar.constant, unit_name(scalar), span=span)
+
+
+def unit_name(scalar: Scalar) -> str:
+    """The unit as the IR spells it."""
+    return "" if scalar.unit is None else str(scalar.unit)
+
+
+def _link(scalar: Scalar, links: list[tuple[LinkAtom, float]], span: Span) -> Link:
+    if len(links) > 1:
+        raise Mistake(BadLink(span=span, problem="two link qualities stand in one comparison"))
+    if len(scalar.terms) > 1:
+        raise Mistake(BadLink(span=span, problem="a link quality is mixed with a signal"))
+    atom, coefficient = links[0]
+    relation = Relation.AT_LEAST if coefficient > 0 else Relation.AT_MOST
+    return Link(
+        atom.channel,
+        atom.quantity,
+        atom.sender,
+        atom.receiver,
+        relation,
+        -scalar.constant / coefficient,
+        shift=atom.shift,
+        span=span,
+    )
+
+
+def is_integer(scalar: Scalar, integer_owners: frozenset[str]) -> bool:
+    """True when the scalar takes whole values only."""
+    if scalar.folds or scalar.constant != int(scalar.constant):
+        return False
+    return all(
+        isinstance(a, Signal) and a.role is Role.INPUT and a.owner in integer_owners and c == int(c)
+        for a, c in scalar.terms
+    )
+
+
+QUANTITY_UNITS = {
+    Quantity.RSSI: units.DBM,
+    Quantity.SNR: units.DB,
+    Quantity.BER: units.PURE,
+    Quantity.BER_AT_MEAN: units.PURE,
+    Quantity.PRR: units.PURE,
+    Quantity.COST: None,
+}

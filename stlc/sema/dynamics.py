@@ -1,0 +1,302 @@
+"""Dynamics: named integrators, or matrices; continuous ones are discretised (zero-order hold)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from stlc.ir.nodes import Role, Signal
+from stlc.mission import Array, Dynamics
+from stlc.sema import props
+from stlc.sema.compare import unit_name
+from stlc.sema.members import unit_of
+from stlc.sema.name_errors import Redeclared, UnknownName
+from stlc.sema.report import Mistake, suggested_fix, suggestion
+from stlc.sema.scope import Scope
+from stlc.sema.shape_errors import MatrixShape, MissingMatrix
+from stlc.sema.units import ACCELERATION, METRE, SPEED, UnknownUnitName, parse_unit
+from stlc.sema.values import Env, Scalar, Value
+from stlc.syntax import ast
+
+KINDS = ("double_integrator", "single_integrator")
+STRUCTURE = (
+    "A", "B", "c", "continuous", "states", "inputs", "state_units", "input_units",
+    "position", "velocity", "output", "outputs", "dimensions",
+)  # fmt: skip
+AXES = "xyz"
+
+
+def dynamics(
+    statement: ast.DynamicsDecl, properties: Sequence[ast.Property], scope: Scope
+) -> Dynamics:
+    """The dynamics that a declaration means. Raises Mistake."""
+    plain, outputs = split_outputs(properties)
+    owner = f"dynamics `{statement.name.text}`"
+    block = props.block(owner, plain, STRUCTURE, scope)
+    if statement.kind is None:
+        base = from_matrices(statement, block, scope)
+    else:
+        base = named(statement.kind, block, scope)
+    return with_outputs(base, outputs, scope)
+
+
+def split_outputs(
+    properties: Sequence[ast.Property],
+) -> tuple[list[ast.Property], list[ast.Property]]:
+    """`output s = ..` reads as a bare `output` and an assignment: the latter are the outputs."""
+    plain: list[ast.Property] = []
+    outputs: list[ast.Property] = []
+    after = False
+    for item in properties:
+        if item.key.text in ("output", "outputs") and not item.args:
+            after = True
+        elif after and item.assigned and item.key.text not in STRUCTURE:
+            outputs.append(item)
+        else:
+            after = False
+            plain.append(item)
+    return plain, outputs
+
+
+# --- named kinds ---------------------------------------------------------------------------------
+
+
+def named(kind: ast.Ident, block: props.Block, scope: Scope) -> Dynamics:
+    """A double or single integrator in one, two or three dimensions."""
+    if kind.text not in KINDS:
+        hint = suggestion(kind.text, list(KINDS), f"known: {', '.join(KINDS)}, or matrices A, B")
+        fix = suggested_fix(kind.span, kind.text, list(KINDS))
+        raise Mistake(UnknownName(span=kind.span, name=kind.text, hint=hint, fix=fix))
+    item = block.get("dimensions")
+    count = 2 if item is None else scope.whole(props.only(item, "dimensions 2"))
+    if item is not None and not 1 <= count <= 3:
+        raise props.bad(item, "must be 1, 2 or 3", "dimensions 2")
+    make = double_integrator if kind.text == "double_integrator" else single_integrator
+    return make(count, scope.step)
+
+
+def double_integrator(count: int, dt: float) -> Dynamics:
+    """p'' = u, discretised exactly: p + dt v + dt^2/2 u, v + dt u."""
+    eye, zero = np.eye(count), np.zeros((count, count))
+    axes = AXES[:count]
+    return Dynamics(
+        "double_integrator",
+        A=np.block([[eye, dt * eye], [zero, eye]]),
+        B=np.vstack([dt**2 / 2.0 * eye, dt * eye]),
+        drift=np.zeros(2 * count),
+        states=tuple(f"p{a}" for a in axes) + tuple(f"v{a}" for a in axes),
+        inputs=tuple(f"u{a}" for a in axes),
+        state_units=(str(METRE),) * count + (str(SPEED),) * count,
+        input_units=(str(ACCELERATION),) * count,
+        position=np.eye(2, 2 * count) if count >= 2 else None,
+        velocity=(count, count + 1) if count >= 2 else None,
+        exact_quadratic=count >= 2,
+    )
+
+
+def single_integrator(count: int, dt: float) -> Dynamics:
+    """p' = u, discretised exactly: p + dt u."""
+    axes = AXES[:count]
+    return Dynamics(
+        "single_integrator",
+        A=np.eye(count),
+        B=dt * np.eye(count),
+        drift=np.zeros(count),
+        states=tuple(f"p{a}" for a in axes),
+        inputs=tuple(f"u{a}" for a in axes),
+        state_units=(str(METRE),) * count,
+        input_units=(str(SPEED),) * count,
+        position=np.eye(2, count) if count >= 2 else None,
+    )
+
+
+# --- matrices ------------------------------------------------------------------------------------
+
+
+def from_matrices(statement: ast.DynamicsDecl, block: props.Block, scope: Scope) -> Dynamics:
+    """x(t+1) = A x + B u + c, or x' = A x + B u + c when `continuous`."""
+    a, b, drift = _matrices(statement, block, scope)
+    n, m = b.shape
+    if block.get("continuous") is not None:
+        a, b, drift = zero_order_hold(a, b, drift, scope.step)
+    states = _names(block, "states", "x", n)
+    inputs = _names(block, "inputs", "u", m)
+    position = _indices(block, "position", states) or _default(states, ("px", "py"))
+    velocity = _indices(block, "velocity", states) or _default(states, ("vx", "vy"))
+    rows = None if position is None else np.eye(n)[list(position)]
+    return Dynamics(
+        statement.name.text,
+        a,
+        b,
+        drift,
+        states,
+        inputs,
+        _units(block, "state_units", states, position, velocity),
+        _units(block, "input_units", inputs, None, None),
+        rows,
+        velocity,
+        _is_double_integrator(a, b, drift, position, velocity, scope.step),
+        span=statement.name.span,
+    )
+
+
+def _matrices(
+    statement: ast.DynamicsDecl, block: props.Block, scope: Scope
+) -> tuple[Array, Array, Array]:
+    a, b = (_matrix(statement, block, key, scope) for key in ("A", "B"))
+    n = len(a)
+    if a.shape != (n, n):
+        raise Mistake(_wrong_shape(block.by_key["A"], a.shape, (n, n)))
+    if len(b) != n:
+        raise Mistake(_wrong_shape(block.by_key["B"], b.shape, (n, b.shape[1])))
+    item = block.get("c")
+    drift = np.zeros(n)
+    if item is not None:
+        drift = props.matrix(item, scope).ravel()
+        if len(drift) != n:
+            raise Mistake(_wrong_shape(item, drift.shape, (n,)))
+    return a, b, drift
+
+
+def _matrix(statement: ast.DynamicsDecl, block: props.Block, key: str, scope: Scope) -> Array:
+    item = block.get(key)
+    if item is None:
+        span, name = statement.name.span, statement.name.text
+        raise Mistake(MissingMatrix(span=span, name=name, matrix=key))
+    return props.matrix(item, scope)
+
+
+def _wrong_shape(
+    item: ast.Property, found: tuple[int, ...], expected: tuple[int, ...]
+) -> MatrixShape:
+    texts = [" x ".join(str(k) for k in shape) for shape in (found, expected)]
+    return MatrixShape(span=item.span, name=item.key.text, found=texts[0], expected=texts[1])
+
+
+def zero_order_hold(a: Array, b: Array, drift: Array, dt: float) -> tuple[Array, Array, Array]:
+    """Exact discretisation for inputs constant over a step: expm of the augmented matrix."""
+    from scipy.linalg import expm
+
+    n, m = b.shape
+    augmented = np.zeros((n + m + 1, n + m + 1))
+    augmented[:n] = np.column_stack([a, b, drift])
+    discrete = np.asarray(expm(augmented * dt), dtype=np.float64)
+    return discrete[:n, :n], discrete[:n, n : n + m], discrete[:n, n + m]
+
+
+def _names(block: props.Block, key: str, letter: str, count: int) -> tuple[str, ...]:
+    item = block.get(key)
+    if item is None:
+        return tuple(f"{letter}{k}" for k in range(count))
+    found = props.names(item, f"{key} px py vx vy")
+    texts = tuple(n.text for n in found)
+    for k, name in enumerate(found):
+        if name.text in texts[:k]:
+            raise Mistake(Redeclared(span=name.span, name=name.text))
+    if len(texts) != count:
+        raise props.bad(item, f"gives {len(texts)} names, the matrices have {count}", f"{key} ..")
+    return texts
+
+
+def _indices(block: props.Block, key: str, states: tuple[str, ...]) -> tuple[int, int] | None:
+    item = block.get(key)
+    if item is None:
+        return None
+    usage = f"{key} {states[0]} {states[-1]}"
+    found = props.names(item, usage)
+    for name in found:
+        if name.text not in states:
+            hint = suggestion(name.text, list(states), f"states are {', '.join(states)}")
+            fix = suggested_fix(name.span, name.text, list(states))
+            raise Mistake(UnknownName(span=name.span, name=name.text, hint=hint, fix=fix))
+    if len(found) != 2:
+        raise props.bad(item, f"needs two states, not {len(found)}", usage)
+    return states.index(found[0].text), states.index(found[1].text)
+
+
+def _default(states: tuple[str, ...], names: tuple[str, str]) -> tuple[int, int] | None:
+    if all(n in states for n in names):
+        return states.index(names[0]), states.index(names[1])
+    return None
+
+
+def _units(
+    block: props.Block,
+    key: str,
+    names: tuple[str, ...],
+    position: tuple[int, int] | None,
+    velocity: tuple[int, int] | None,
+) -> tuple[str, ...]:
+    """Declared units; else m for the position, m/s for the velocity, nothing for the rest."""
+    item = block.get(key)
+    if item is None:
+        known = {k: str(METRE) for k in position or ()} | {k: str(SPEED) for k in velocity or ()}
+        return tuple(known.get(k, "") for k in range(len(names)))
+    texts = [a.span.text.strip() for a in item.args]
+    if len(texts) != len(names):
+        raise props.bad(item, f"gives {len(texts)} units for {len(names)} names", f"{key} m m/s")
+    try:
+        return tuple(str(parse_unit(t).unit) for t in texts)
+    except UnknownUnitName as error:
+        raise props.bad(item, f"has the unknown unit `{error.name}`", f"{key} m m/s") from None
+
+
+def _is_double_integrator(
+    a: Array,
+    b: Array,
+    drift: Array,
+    position: tuple[int, int] | None,
+    velocity: tuple[int, int] | None,
+    dt: float,
+) -> bool:
+    """p(t+1) = p + dt v + dt/2 (v(t+1) - v): then constant acceleration joins the samples."""
+    if position is None or velocity is None:
+        return False
+    eye = np.eye(len(a))
+    p, v = list(position), list(velocity)
+    return (
+        np.allclose(a[p], eye[p] + dt * eye[v])
+        and np.allclose(a[v], eye[v])
+        and np.allclose(b[p], dt / 2.0 * b[v])
+        and np.allclose(drift[p], dt / 2.0 * drift[v])
+    )
+
+
+# --- outputs -------------------------------------------------------------------------------------
+
+
+def with_outputs(base: Dynamics, outputs: Sequence[ast.Property], scope: Scope) -> Dynamics:
+    """The dynamics with further named linear signals."""
+    if not outputs:
+        return base
+    env = Env(_signals(base))
+    found = {item.key.text: _output(base, item, env, scope) for item in outputs}
+    return replace(base, outputs=found)
+
+
+def _signals(base: Dynamics) -> dict[str, Value]:
+    bound: dict[str, Value] = {}
+    for role, texts, units in (
+        (Role.STATE, base.states, base.state_units),
+        (Role.INPUT, base.inputs, base.input_units),
+    ):
+        for k, text in enumerate(texts):
+            bound[text] = Scalar(terms=((Signal("", role, k), 1.0),), unit=unit_of(units[k]))
+    return bound
+
+
+def _output(
+    base: Dynamics, item: ast.Property, env: Env, scope: Scope
+) -> tuple[Array, Array, float, str]:
+    usage = f"output {item.key.text} = {base.states[0]}"
+    scalar = scope.scalar(props.only(item, usage), env)
+    if scalar.folds:
+        raise props.bad(item, "must be linear in the states and inputs", usage)
+    c, d = np.zeros(len(base.states)), np.zeros(len(base.inputs))
+    for atom, coefficient in scalar.terms:
+        if not isinstance(atom, Signal) or atom.owner:
+            raise props.bad(item, "may use the agent's own states and inputs only", usage)
+        (c if atom.role is Role.STATE else d)[atom.index] = coefficient
+    return c, d, scalar.constant, unit_name(scalar)

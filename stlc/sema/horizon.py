@@ -1,0 +1,94 @@
+"""The mission's horizon: given, or the furthest step that a bounded interval looks at."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from stlc.ir.nodes import (
+    Always,
+    Eventually,
+    Linear,
+    Link,
+    Node,
+    Release,
+    Role,
+    Until,
+)
+from stlc.mission import Requirement
+from stlc.sema.report import Report
+from stlc.sema.time_errors import NoHorizon, PastHorizon
+
+Temporal = Always | Eventually | Until | Release
+
+
+@dataclass(slots=True)
+class Reach:
+    """How far formulas look ahead, in steps; an unbounded operator needs its first step only."""
+
+    known: dict[int, int] = field(default_factory=dict)
+    kept: list[Node] = field(default_factory=list)
+    unbounded: bool = False
+
+    def of(self, node: Node) -> int:
+        """Steps after the present one that the formula needs."""
+        found = self.known.get(id(node))
+        if found is None:
+            found = self._compute(node)
+            self.known[id(node)] = found
+            self.kept.append(node)
+        return found
+
+    def _compute(self, node: Node) -> int:
+        match node:
+            case Linear(terms=terms):
+                return max((s.shift + (s.role is Role.INPUT) for s, _ in terms), default=0)
+            case Link(shift=shift):
+                return shift
+            case Always() | Eventually() | Until() | Release():
+                return self._window(node) + max(self.of(c) for c in node.children)
+        return max((self.of(c) for c in node.children), default=0)
+
+    def _window(self, node: Temporal) -> int:
+        if node.end is None:
+            self.unbounded = True
+            return node.start
+        return node.end
+
+
+def derive(
+    requirements: Sequence[Requirement], given: int | None, least: int, report: Report
+) -> int:
+    """T. Reports what looks past a given horizon, and a mission of unbounded operators alone.
+
+    `least` is the furthest step that the objective's windows name.
+    """
+    reach = Reach()
+    needed = [reach.of(r.formula) for r in requirements]
+    longest = max([least, *needed])
+    if given is None:
+        if (reach.unbounded and longest == 0) or (not requirements and longest == 0):
+            _ask_for_horizon(requirements, report)
+        return max(longest, 1)
+    for requirement, count in zip(requirements, needed, strict=True):
+        if count > given:
+            report.add(_past(requirement.formula, 0, given, reach))
+    return given
+
+
+def _ask_for_horizon(requirements: Sequence[Requirement], report: Report) -> None:
+    span = next((r.formula.span for r in requirements), None)
+    report.add(NoHorizon(span=span))
+
+
+def _past(node: Node, at: int, horizon: int, reach: Reach) -> PastHorizon:
+    """The innermost operator that alone carries the formula past the horizon."""
+    while True:
+        after = at + (reach._window(node) if isinstance(node, Temporal) else 0)
+        if after > horizon:
+            break
+        beyond = [c for c in node.children if after + reach.of(c) > horizon]
+        if not beyond:
+            break
+        node, at = beyond[0], after
+    return PastHorizon(span=node.span, needed=at + reach.of(node), horizon=horizon)

@@ -1,0 +1,47 @@
+"""`import "lib.stl"`: the statements of other files, each file once, circles reported."""
+
+from __future__ import annotations
+
+from stlc.sema.files import Files
+from stlc.sema.name_errors import ImportCycle
+from stlc.sema.report import Mistake, Report
+from stlc.source import Source
+from stlc.syntax import ast
+
+MOST_DEEP = 50
+
+
+def statements(file: ast.File, files: Files, report: Report) -> list[ast.Statement]:
+    """All statements, imported ones in the place of their `import`."""
+    return _expand(file, files, report, (file.source.name,), set())
+
+
+def _expand(
+    file: ast.File, files: Files, report: Report, path: tuple[str, ...], done: set[str]
+) -> list[ast.Statement]:
+    found: list[ast.Statement] = []
+    for statement in file.statements:
+        if isinstance(statement, ast.Import):
+            with report.guard():
+                found.extend(_imported(statement, files, report, path, done))
+        else:
+            found.append(statement)
+    return found
+
+
+def _imported(
+    statement: ast.Import, files: Files, report: Report, path: tuple[str, ...], done: set[str]
+) -> list[ast.Statement]:
+    from stlc.syntax.parse import parse
+
+    name, span = statement.path.value, statement.path.span
+    resolved = files.resolve(name, span)
+    if resolved in path or len(path) > MOST_DEEP:
+        raise Mistake(ImportCycle(span=span, path=name))
+    if resolved in done:
+        return []
+    done.add(resolved)
+    result = parse(Source(resolved, files.text(name, span)))
+    for diagnostic in result.diagnostics:
+        report.add(diagnostic)
+    return _expand(result.file, files, report, (*path, resolved), done)

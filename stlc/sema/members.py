@@ -1,0 +1,146 @@
+"""Signals of agents: `r1.vx`, `r1.x`, `r1.u[0]`, `uav[2]`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stlc.ir.nodes import Role, Signal
+from stlc.mission import Agent, Array, Station
+from stlc.sema.name_errors import NoPosition, UnknownMember, WrongKind
+from stlc.sema.report import Mistake, suggested_fix, suggestion
+from stlc.sema.scope import Scope
+from stlc.sema.unit_errors import WrongUnit
+from stlc.sema.units import METRE, Unit, parse_unit
+from stlc.sema.values import Env, Items, Members, Radio, Scalar, Value, describe
+from stlc.source import Span
+from stlc.syntax import ast
+
+
+def attribute(expr: ast.Attribute, env: Env, scope: Scope) -> Value:
+    """A signal of an agent, or a coordinate of a station."""
+    base = scope.value(expr.base, env)
+    name, span = expr.attr.text, expr.attr.span
+    match base:
+        case Radio(thing=Agent() as agent):
+            return agent_member(agent, name, span)
+        case Radio(thing=Station() as station):
+            if name in ("x", "y"):
+                return Scalar(float(station.position["xy".index(name)]), unit=METRE)
+            owner = f"station `{station.name}`"
+            raise Mistake(_unknown(owner, name, ["x", "y"], span))
+    raise Mistake(_unknown(describe(base), name, [], span))
+
+
+def agent_member(agent: Agent, name: str, span: Span) -> Value:
+    """The signal of that name."""
+    dynamics = agent.dynamics
+    if name in dynamics.states:
+        return state(agent, dynamics.states.index(name))
+    if name in dynamics.inputs:
+        return control(agent, dynamics.inputs.index(name))
+    if name in dynamics.outputs:
+        return output(agent, name)
+    if name in ("x", "y", "position") and dynamics.position is not None:
+        both = position(agent, span)
+        return Items(both, "tuple") if name == "position" else both["xy".index(name)]
+    if name == "state":
+        return Members(tuple(state(agent, k) for k in range(len(dynamics.states))))
+    if name == "u":
+        return Members(tuple(control(agent, k) for k in range(len(dynamics.inputs))))
+    if name in ("v", "velocity") and dynamics.velocity is not None:
+        return Members(tuple(state(agent, k) for k in dynamics.velocity))
+    known = [*dynamics.states, *dynamics.inputs, *dynamics.outputs, "u", "state"]
+    known += ["x", "y"] if dynamics.position is not None else []
+    raise Mistake(_unknown(f"agent `{agent.name}`", name, known, span))
+
+
+def _unknown(owner: str, name: str, known: list[str], span: Span) -> UnknownMember:
+    listed = ", ".join(f"`{k}`" for k in known)
+    otherwise = f"it has {listed}" if known else "only agents and stations have members"
+    hint = suggestion(name, known, otherwise)
+    fix = suggested_fix(span, name, known)
+    return UnknownMember(span=span, owner=owner, name=name, hint=hint, fix=fix)
+
+
+def unit_of(text: str) -> Unit | None:
+    """The unit of a signal, as `Dynamics` spells it ('' fits everything)."""
+    return parse_unit(text).unit if text else None
+
+
+def state(agent: Agent, index: int) -> Scalar:
+    """One state."""
+    signal = Signal(agent.name, Role.STATE, index)
+    return Scalar(terms=((signal, 1.0),), unit=unit_of(agent.dynamics.state_units[index]))
+
+
+def control(agent: Agent, index: int) -> Scalar:
+    """One input."""
+    signal = Signal(agent.name, Role.INPUT, index)
+    return Scalar(terms=((signal, 1.0),), unit=unit_of(agent.dynamics.input_units[index]))
+
+
+def output(agent: Agent, name: str) -> Scalar:
+    """c'x + d'u + constant."""
+    c, d, constant, unit = agent.dynamics.outputs[name]
+    terms = (*_row(agent, Role.STATE, c), *_row(agent, Role.INPUT, d))
+    return Scalar(constant, terms, unit=unit_of(unit))
+
+
+def _row(agent: Agent, role: Role, row: Array) -> tuple[tuple[Signal, float], ...]:
+    return tuple((Signal(agent.name, role, int(k)), float(row[k])) for k in np.flatnonzero(row))
+
+
+def position(thing: Agent | Station, span: Span) -> tuple[Scalar, Scalar]:
+    """The coordinates [m]. Raises Mistake if the agent is nowhere."""
+    if isinstance(thing, Station):
+        x, y = (Scalar(float(c), unit=METRE) for c in thing.position)
+        return x, y
+    rows = thing.dynamics.position
+    if rows is None:
+        raise Mistake(NoPosition(span=span, name=thing.name))
+    x, y = (Scalar(terms=_row(thing, Role.STATE, row), unit=METRE) for row in rows)
+    return x, y
+
+
+def point(value: Value, span: Span) -> tuple[Scalar, Scalar]:
+    """An agent, a station or a tuple as coordinates [m]."""
+    if isinstance(value, Radio):
+        return position(value.thing, span)
+    if isinstance(value, Items) and len(value.items) == 2:
+        x, y = value.items
+        if isinstance(x, Scalar) and isinstance(y, Scalar):
+            return _metres(x, span), _metres(y, span)
+    raise Mistake(WrongKind(span=span, expected="an agent or a point", found=describe(value)))
+
+
+def _metres(scalar: Scalar, span: Span) -> Scalar:
+    if scalar.unit is not None and scalar.unit != METRE:
+        raise Mistake(WrongUnit(span=span, expected="m", found=str(scalar.unit)))
+    return scalar
+
+
+def index(expr: ast.Index, env: Env, scope: Scope) -> Value:
+    """A member of a family (by its number) or of a vector of signals (from 0)."""
+    base = scope.value(expr.base, env)
+    if isinstance(base, Members | Items) and len(expr.indices) == 1:
+        return _member(base, scope.whole(expr.indices[0], env), expr.span)
+    hint = "families `uav[1]` and vectors `r1.u[0]` can be indexed"
+    found = describe(base)
+    raise Mistake(WrongKind(span=expr.span, expected="something to index", found=found, hint=hint))
+
+
+def _member(base: Members | Items, number: int, span: Span) -> Value:
+    if isinstance(base, Items) and base.what == "family":
+        for item in base.items:
+            if isinstance(item, Radio) and item.name.endswith(f"[{number}]"):
+                return item
+    elif 0 <= number < len(base.items):
+        return base.items[number]
+    raise Mistake(
+        WrongKind(
+            span=span,
+            expected=f"one of {len(base.items)} members",
+            found=f"number {number}",
+            hint="families keep their own numbers, everything else counts from 0",
+        )
+    )

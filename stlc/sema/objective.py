@@ -1,0 +1,118 @@
+"""The objective: a weighted sum of efforts, link costs and robustness, all to be minimised."""
+
+from __future__ import annotations
+
+from stlc.mission import ObjectiveTerm, Requirement, TermKind
+from stlc.sema.costs import cost_term, is_cost
+from stlc.sema.name_errors import NotHere
+from stlc.sema.objective_errors import BadObjective, MixedRobustness, NegativeWeight, NoTime
+from stlc.sema.quantifiers import assignments, bound_with
+from stlc.sema.report import Mistake, Report
+from stlc.sema.robust_units import units_in
+from stlc.sema.scope import EMPTY, Scope
+from stlc.sema.values import Env
+from stlc.syntax import ast
+
+
+def objective(statement: ast.Objective, scope: Scope) -> list[ObjectiveTerm]:
+    """Terms of one `minimize` or `maximize`. Raises Mistake."""
+    sign = 1.0 if statement.sense == "minimize" else -1.0
+    terms: list[ObjectiveTerm] = []
+    _collect(statement.expression, sign, EMPTY, scope, terms)
+    return [t for t in terms if t.weight != 0.0]
+
+
+def _collect(
+    expr: ast.Expr, weight: float, env: Env, scope: Scope, terms: list[ObjectiveTerm]
+) -> None:
+    match expr:
+        case ast.Arithmetic(operator="+" | "-", left=left, right=right):
+            _collect(left, weight, env, scope, terms)
+            sign = 1.0 if expr.operator == "+" else -1.0
+            _collect(right, sign * weight, env, scope, terms)
+        case ast.Arithmetic(operator="*", left=left, right=right):
+            cost, factor = (left, right) if is_cost(left, env, scope) else (right, left)
+            _collect(cost, weight * _factor(factor, env, scope), env, scope, terms)
+        case ast.Arithmetic(operator="/", left=left, right=right):
+            divisor = _factor(right, env, scope)
+            if divisor == 0.0:
+                raise Mistake(BadObjective(span=right.span, problem="a cost is divided by zero"))
+            _collect(left, weight / divisor, env, scope, terms)
+        case ast.Negate(arg=arg):
+            _collect(arg, -weight, env, scope, terms)
+        case ast.Quantifier(kind="sum"):
+            for bound in assignments(expr, env, scope):
+                _collect(expr.body, weight, bound_with(env, bound), scope, terms)
+        case ast.Name() if _is_let(expr, env, scope):
+            let = scope.lookup(expr.text, expr.span)
+            assert isinstance(let, ast.Let)
+            with scope.expanding(expr.text, expr.span):
+                _collect(let.body, weight, EMPTY, scope, terms)
+        case _:
+            terms.append(_checked(cost_term(expr, weight, env, scope), expr))
+
+
+def _is_let(expr: ast.Name, env: Env, scope: Scope) -> bool:
+    found = None if expr.text in env.bound else scope.declarations.get(expr.text)
+    return isinstance(found, ast.Let) and not found.parameters
+
+
+def _factor(expr: ast.Expr, env: Env, scope: Scope) -> float:
+    """A weight: a plain number."""
+    if is_cost(expr, env, scope):
+        raise Mistake(BadObjective(span=expr.span, problem="two costs are multiplied"))
+    return scope.constant(expr, env).constant
+
+
+def _checked(term: ObjectiveTerm, expr: ast.Expr) -> ObjectiveTerm:
+    what = term.kind.value.replace("_", " ")
+    if term.kind is TermKind.ROBUSTNESS and term.weight > 0:
+        hint = "write `maximize robustness`, or `- 0.5 * robustness` in a `minimize`"
+        raise Mistake(_wrong_way(expr, what, "minimised", term.weight, hint))
+    if term.kind is not TermKind.ROBUSTNESS and term.weight < 0:
+        hint = "costs have positive weights in `minimize`, negative ones in `maximize`"
+        raise Mistake(_wrong_way(expr, what, "maximised", -term.weight, hint))
+    return term
+
+
+def _wrong_way(
+    expr: ast.Expr, what: str, direction: str, weight: float, hint: str
+) -> NegativeWeight:
+    return NegativeWeight(span=expr.span, what=what, direction=direction, weight=weight, hint=hint)
+
+
+def finish(
+    terms: list[ObjectiveTerm],
+    requirements: tuple[Requirement, ...],
+    horizon: int,
+    report: Report,
+) -> tuple[ObjectiveTerm, ...]:
+    """Check what depends on the requirements and the horizon."""
+    for term in terms:
+        if term.window is not None and term.window[1] > horizon:
+            start, end = term.window
+            report.add(NoTime(span=term.span, start=start, end=end, horizon=horizon))
+        if term.kind is TermKind.ROBUSTNESS:
+            _check_units(term, requirements, report)
+    return tuple(terms)
+
+
+def _check_units(
+    term: ObjectiveTerm, requirements: tuple[Requirement, ...], report: Report
+) -> None:
+    chosen = [r for r in requirements if term.requirement in (None, r.name)]
+    if not chosen:
+        hint = "add a `require`, or leave robustness out"
+        problem = "there is no requirement whose robustness could be maximised"
+        report.add(NotHere(span=term.span, problem=problem, hint=hint))
+    found = sorted(units_in([r.formula for r in chosen]))
+    lacking = [u for u in found if u not in term.scales]
+    if len(found) > 1 and lacking:
+        names = [u or "pure numbers" for u in found]
+        usage = ", ".join(f"1 {u}".strip() for u in found)
+        report.add(MixedRobustness(span=term.span, units=" and ".join(names), usage=usage))
+
+
+def last_step(terms: list[ObjectiveTerm]) -> int:
+    """The furthest step that a window names."""
+    return max((t.window[1] for t in terms if t.window is not None), default=0)

@@ -1,0 +1,88 @@
+"""Mistakes about the objective (E07xx)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from stlc.diagnostics import Diagnostic
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BadObjective(Diagnostic):
+    """The objective isn't a weighted sum of costs.
+
+    Costs are `effort`, `effort(agent)`, `link_cost(channel)`, `link_cost(channel, (a, b))`, each
+    with an optional interval `effort[0, 4]`, `normalised(cost)`, and `robustness`,
+    `robustness(requirement)`. Weights are plain numbers.
+    """
+
+    code: ClassVar[str] = "E0701"
+    title: ClassVar[str] = "{problem}"
+    label: ClassVar[str] = "not a weighted cost"
+    help: ClassVar[str] = "{hint}"
+    problem: str
+    hint: str = "write a sum such as `0.1 * effort + 0.9 * link_cost(radio)`"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MixedRobustness(Diagnostic):
+    """Robustness is maximised over requirements in different units.
+
+    The smallest of metres and decibels means nothing until each unit has a scale: how much of it
+    counts as one.
+    """
+
+    code: ClassVar[str] = "E0702"
+    title: ClassVar[str] = "robustness mixes {units}"
+    label: ClassVar[str] = "no common unit"
+    help: ClassVar[str] = "give one of each that counts alike: `robustness(scale({usage}))`"
+    units: str
+    usage: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NegativeWeight(Diagnostic):
+    """A cost has a negative weight, or robustness is minimised: the optimum would be unbounded.
+
+    Efforts and link costs are minimised, robustness is maximised.
+    """
+
+    code: ClassVar[str] = "E0703"
+    title: ClassVar[str] = "{what} would be {direction}"
+    label: ClassVar[str] = "weight {weight:g}"
+    help: ClassVar[str] = "{hint}"
+    what: str
+    direction: str
+    weight: float
+    hint: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NoTime(Diagnostic):
+    """An objective's window holds no step of the mission."""
+
+    code: ClassVar[str] = "E0704"
+    title: ClassVar[str] = "the window [{start}, {end}] leaves the mission's {horizon} steps"
+    label: ClassVar[str] = "beyond the horizon"
+    help: ClassVar[str] = "end it at {horizon} or earlier, or write `horizon {end}`"
+    start: int
+    end: int
+    horizon: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NeverTrue(Diagnostic):
+    """A requirement can't hold, whatever the agents do: bounds alone exclude it.
+
+    Interval reasoning over the workspace and the declared bounds gives its best robustness, which
+    is below the required margin.
+    """
+
+    code: ClassVar[str] = "E0705"
+    title: ClassVar[str] = "requirement `{name}` can never hold"
+    label: ClassVar[str] = "at best {best:.6g}, required {margin:g}"
+    help: ClassVar[str] = "check its numbers against the workspace and the bounds of the agents"
+    name: str
+    best: float
+    margin: float

@@ -1,0 +1,62 @@
+"""Partitions of a channel: `10 x 10`, edges `[0, 2, 5] x [0, 5]`, a cell size, or a quadtree."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stlc.sema import props
+from stlc.sema.channel_errors import BadChannel
+from stlc.sema.geometry import bounds
+from stlc.sema.report import Mistake
+from stlc.sema.scope import Scope
+from stlc.sema.units import METRE
+from stlc.sema.values import Items
+from stlc.syntax import ast
+
+if TYPE_CHECKING:
+    from stlc.radio.partition import Partition
+
+USAGE = "partition 10 x 10"
+MOST_CELLS = 40_000
+
+
+def partition(item: ast.Property, scope: Scope) -> Partition:
+    """The cells that a property describes, over the workspace's bounding box."""
+    from stlc.radio.partition import grid
+
+    if scope.workspace is None:
+        hint = "add `workspace box [0, 10] x [0, 10]`"
+        problem = "a partition needs a workspace"
+        raise Mistake(BadChannel(span=item.span, channel="", problem=problem, hint=hint))
+    x_lo, x_hi, y_lo, y_hi = bounds([scope.workspace])
+    if len(item.args) != 2:
+        raise props.bad(item, "needs cells along x and along y", USAGE)
+    edges = [
+        _edges(item, expr, ends, scope)
+        for expr, ends in zip(item.args, ((x_lo, x_hi), (y_lo, y_hi)), strict=True)
+    ]
+    count = (len(edges[0]) - 1) * (len(edges[1]) - 1)
+    if count > MOST_CELLS:
+        raise props.bad(item, f"has {count} cells, more than {MOST_CELLS}", USAGE)
+    return grid(edges[0], edges[1])
+
+
+def _edges(
+    item: ast.Property, expr: ast.Expr, ends: tuple[float, float], scope: Scope
+) -> list[float]:
+    value = scope.value(expr)
+    if not isinstance(value, Items):
+        count = scope.whole(expr)
+        if not 1 <= count <= MOST_CELLS:
+            raise props.bad(item, f"can't have {count} cells along one axis", USAGE, expr.span)
+        return [float(v) for v in np.linspace(*ends, count + 1)]
+    edges = list(props.numbers(expr, scope, [METRE] * len(value.items)))
+    if len(edges) < 2 or any(b <= a for a, b in pairwise(edges)):
+        raise props.bad(item, "has edges that don't increase", "partition [0, 2, 5] x [0, 5]")
+    if edges[0] > ends[0] + 1e-9 or edges[-1] < ends[1] - 1e-9:
+        problem = f"doesn't cover the workspace from {ends[0]:g} to {ends[1]:g}"
+        raise props.bad(item, problem, "partition [0, 2, 5] x [0, 5]", expr.span)
+    return [float(v) for v in edges]

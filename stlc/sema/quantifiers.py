@@ -1,0 +1,57 @@
+"""Domains of quantifiers and the values that their variables take."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from stlc.sema.name_errors import EmptyDomain, TooManyPieces, WrongKind
+from stlc.sema.report import Mistake
+from stlc.sema.scope import Scope
+from stlc.sema.values import Env, Items, Scalar, Value, describe
+from stlc.source import Span
+from stlc.syntax import ast
+
+MOST_MEMBERS = 100_000
+
+
+def assignments(expr: ast.Quantifier, env: Env, scope: Scope) -> list[Mapping[str, Value]]:
+    """One binding of the variables for each member of the domain."""
+    domain = domain_items(expr.domain, env, scope)
+    names = [v.text for v in expr.variables]
+    if len(names) == 1:
+        return [{names[0]: item} for item in domain.items]
+    return [dict(zip(names, _parts(item, names, expr.domain.span), strict=True))
+            for item in domain.items]  # fmt: skip
+
+
+def _parts(item: Value, names: list[str], span: Span) -> tuple[Value, ...]:
+    if isinstance(item, Items) and len(item.items) == len(names):
+        return item.items
+    expected = f"tuples of {len(names)}"
+    raise Mistake(WrongKind(span=span, expected=expected, found=describe(item)))
+
+
+def bound_with(env: Env, bound: Mapping[str, Value]) -> Env:
+    """The environment with more names bound."""
+    return Env({**env.bound, **bound}, env.positive, env.margin)
+
+
+def domain_items(expr: ast.Expr, env: Env, scope: Scope) -> Items:
+    """The members of a domain."""
+    if isinstance(expr, ast.Range):
+        return _steps(expr, env, scope)
+    value = scope.value(expr, env)
+    if not isinstance(value, Items):
+        raise Mistake(EmptyDomain(span=expr.span, problem=f"{describe(value)} has no members"))
+    if not value.items and value.what != "list of pairs":
+        raise Mistake(EmptyDomain(span=expr.span, problem=f"this {value.what} is empty"))
+    return value
+
+
+def _steps(expr: ast.Range, env: Env, scope: Scope) -> Items:
+    first, last = scope.whole(expr.start, env), scope.whole(expr.end, env)
+    if last < first:
+        raise Mistake(EmptyDomain(span=expr.span, problem=f"{first}..{last} is empty"))
+    if last - first >= MOST_MEMBERS:
+        raise Mistake(TooManyPieces(span=expr.span, limit=MOST_MEMBERS))
+    return Items(tuple(Scalar(float(k)) for k in range(first, last + 1)), "range")

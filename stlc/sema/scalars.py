@@ -1,0 +1,181 @@
+"""Arithmetic of scalars: sums, products with constants, quotients, powers, and their units."""
+
+from __future__ import annotations
+
+from math import isfinite
+
+from stlc.sema import units
+from stlc.sema.name_errors import DivisionByZero, Nonlinear
+from stlc.sema.report import Mistake
+from stlc.sema.unit_errors import BadExponent, LevelProduct, LevelSum, UnitMismatch
+from stlc.sema.units import Unit
+from stlc.sema.values import Atom, Fold, FoldKind, Scalar
+from stlc.source import Span
+
+
+def constant(value: float, unit: Unit | None = None) -> Scalar:
+    """A number."""
+    return Scalar(value, unit=unit)
+
+
+def add(a: Scalar, b: Scalar, span: Span, sign: float = 1.0) -> Scalar:
+    """a + sign * b. Raises Mistake when the units don't go together."""
+    unit = _sum_unit(a.unit, b.unit, span, sign)
+    total = finite(a.constant + sign * b.constant, span)
+    if a.is_constant and b.is_constant:
+        return Scalar(total, unit=unit)
+    return Scalar(total, _merge(a, b, sign), a.folds + _times_folds(b.folds, sign), unit)
+
+
+def _merge(a: Scalar, b: Scalar, sign: float) -> tuple[tuple[Atom, float], ...]:
+    terms = dict(a.terms)
+    for atom, coefficient in b.terms:
+        terms[atom] = terms.get(atom, 0.0) + sign * coefficient
+    return tuple((k, v) for k, v in terms.items() if v != 0.0)
+
+
+def _times_folds(
+    folds: tuple[tuple[Fold, float], ...], factor: float
+) -> tuple[tuple[Fold, float], ...]:
+    return tuple((f, c * factor) for f, c in folds if c * factor != 0.0)
+
+
+def _sum_unit(a: Unit | None, b: Unit | None, span: Span, sign: float) -> Unit | None:
+    if a is None or b is None:
+        return _bare_sum_unit(a, b, span, sign)
+    if a.dims != b.dims:
+        raise Mistake(mismatch(a, b, "added" if sign > 0 else "subtracted", span))
+    level = a.level + (1 if sign > 0 else -1) * b.level
+    if level not in (0, 1):
+        raise Mistake(LevelSum(span=span))
+    return Unit(a.dims, level)
+
+
+def _bare_sum_unit(a: Unit | None, b: Unit | None, span: Span, sign: float) -> Unit | None:
+    """A bare number beside a level counts as a ratio; a level can't be subtracted from it."""
+    if b is not None and b.level and sign < 0:
+        raise Mistake(LevelSum(span=span))
+    return a if b is None else b
+
+
+def mismatch(a: Unit, b: Unit, verb: str, span: Span) -> UnitMismatch:
+    """The diagnostic for two units that don't go together."""
+    left, right = (str(u) or "a pure number" for u in (a, b))
+    return UnitMismatch(span=span, left=left, right=right, verb=verb)
+
+
+def negate(a: Scalar, span: Span, literal: bool = False) -> Scalar:
+    """-a; the sign of a literal such as `-70 dBm` belongs to its level."""
+    if a.unit is not None and a.unit.level and not literal:
+        raise Mistake(LevelProduct(span=span))
+    return scale(a, -1.0, a.unit)
+
+
+def scale(a: Scalar, factor: float, unit: Unit | None) -> Scalar:
+    """factor * a, in the given unit."""
+    if factor == 0.0:
+        return Scalar(0.0, unit=unit)
+    terms = tuple((k, v * factor) for k, v in a.terms)
+    return Scalar(a.constant * factor, terms, _times_folds(a.folds, factor), unit)
+
+
+def multiply(a: Scalar, b: Scalar, span: Span) -> Scalar:
+    """a * b, one of which is a constant."""
+    unit = _product_unit(a.unit, b.unit, span)
+    if not (a.is_constant or b.is_constant):
+        hint = "multiply by a constant, or use `abs`, `min`, `max`, `norm1` or `norminf`"
+        raise Mistake(Nonlinear(span=span, what="a product of two signals", hint=hint))
+    factor, rest = (a, b) if a.is_constant else (b, a)
+    finite(factor.constant * rest.constant, span)
+    return scale(rest, factor.constant, unit)
+
+
+def _product_unit(a: Unit | None, b: Unit | None, span: Span) -> Unit | None:
+    if any(u is not None and u.level for u in (a, b)):
+        raise Mistake(LevelProduct(span=span))
+    if a is None or b is None:
+        return a if b is None else b
+    return units.times(a, b)
+
+
+def divide(a: Scalar, b: Scalar, span: Span) -> Scalar:
+    """a / b with a constant b that isn't zero."""
+    if not b.is_constant:
+        hint = "multiply both sides by the divisor, if its sign is known"
+        raise Mistake(Nonlinear(span=span, what="a division by a signal", hint=hint))
+    if b.constant == 0.0:
+        raise Mistake(DivisionByZero(span=span))
+    inverse = None if b.unit is None else units.power(b.unit, -1)
+    if b.unit is not None and b.unit.level:
+        raise Mistake(LevelProduct(span=span))
+    finite(a.constant / b.constant, span)
+    return scale(a, 1.0 / b.constant, _product_unit(a.unit, inverse, span))
+
+
+def raise_to(a: Scalar, b: Scalar, span: Span) -> Scalar:
+    """a ^ b of constants."""
+    if not (a.is_constant and b.is_constant):
+        hint = "`abs(x) <= c` says what `x^2 <= c^2` says"
+        raise Mistake(Nonlinear(span=span, what="a power of a signal", hint=hint))
+    try:
+        value = a.constant**b.constant
+    except (ArithmeticError, ValueError):
+        raise Mistake(DivisionByZero(span=span)) from None
+    if isinstance(value, complex):
+        raise Mistake(DivisionByZero(span=span))
+    return Scalar(finite(float(value), span), unit=_power_unit(a.unit, b.constant, span))
+
+
+def _power_unit(a: Unit | None, exponent: float, span: Span) -> Unit | None:
+    if a is None or not a.dims:
+        return a
+    if exponent != int(exponent):
+        raise Mistake(BadExponent(span=span))
+    if a.level:
+        raise Mistake(LevelProduct(span=span))
+    return units.power(a, int(exponent))
+
+
+def finite(value: float, span: Span) -> float:
+    """The value, if it is one."""
+    if not isfinite(value):
+        raise Mistake(DivisionByZero(span=span))
+    return value
+
+
+def same_unit(items: tuple[Scalar, ...], span: Span, verb: str = "compared") -> Unit | None:
+    """The unit that all share, bare numbers aside."""
+    known = [s.unit for s in items if s.unit is not None]
+    for other in known[1:]:
+        if other != known[0]:
+            raise Mistake(mismatch(known[0], other, verb, span))
+    return known[0] if known else None
+
+
+def maximum(items: tuple[Scalar, ...], span: Span) -> Scalar:
+    """The largest of scalars."""
+    return _extreme(FoldKind.MAX, items, span)
+
+
+def minimum(items: tuple[Scalar, ...], span: Span) -> Scalar:
+    """The smallest of scalars."""
+    return _extreme(FoldKind.MIN, items, span)
+
+
+def _extreme(kind: FoldKind, items: tuple[Scalar, ...], span: Span) -> Scalar:
+    unit = same_unit(items, span)
+    if all(s.is_constant for s in items):
+        pick = max if kind is FoldKind.MAX else min
+        return Scalar(pick(s.constant for s in items), unit=unit)
+    if len(items) == 1:
+        return items[0]
+    return Scalar(folds=((Fold(kind, items), 1.0),), unit=unit)
+
+
+def absolute(a: Scalar, span: Span) -> Scalar:
+    """|a|."""
+    if a.unit is not None and a.unit.level:
+        raise Mistake(LevelProduct(span=span))
+    if a.is_constant:
+        return Scalar(abs(a.constant), unit=a.unit)
+    return maximum((a, scale(a, -1.0, a.unit)), span)

@@ -1,0 +1,86 @@
+"""`swept`: a condition that holds between two steps too.
+
+Between steps t and t + 1 a double integrator's position is a quadratic curve with the Bezier points
+p(t), p(t) + v(t) dt / 2, p(t + 1); every other state is followed along its chord. A linear
+predicate that holds at all Bezier points holds on the curve, which lies in their convex hull.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from stlc.ir.nodes import And, Const, Linear, Node, Or, Role, Signal, Timed
+from stlc.mission import Agent, Dynamics
+from stlc.sema.report import Mistake
+from stlc.sema.scope import Scope
+from stlc.sema.shape_errors import NoSwept
+from stlc.source import Span
+
+Terms = tuple[tuple[Signal, float], ...]
+
+
+def sweep(node: Node, scope: Scope, span: Span) -> Node:
+    """Every linear leaf replaced by its conjunction over the Bezier points."""
+    match node:
+        case Linear():
+            return sweep_linear(node, scope, span)
+        case And(args=args):
+            return replace(node, args=tuple(sweep(a, scope, span) for a in args))
+        case Or(args=args):
+            return replace(node, args=tuple(sweep(a, scope, span) for a in args))
+        case Timed(cases=cases):
+            return replace(node, cases=tuple(sweep(c, scope, span) for c in cases))
+        case Const():
+            return node
+    raise Mistake(NoSwept(span=span, problem="this is not a condition on positions"))
+
+
+def sweep_linear(node: Linear, scope: Scope, span: Span) -> Node:
+    """The conjunction of a predicate at the Bezier points of the motion to the next step."""
+    if any(signal.role is Role.FREE for signal, _ in node.terms):
+        raise Mistake(NoSwept(span=span, problem="a recorded signal has no motion"))
+    curved = any(_velocity_of(signal, scope) is not None for signal, _ in node.terms)
+    stages = (0, 1, 2) if curved else (0, 2)
+    points = tuple(_at(node, stage, scope) for stage in stages)
+    unique = tuple(dict.fromkeys(points))
+    return unique[0] if len(unique) == 1 else And(unique, span=node.span)
+
+
+def _at(node: Linear, stage: int, scope: Scope) -> Linear:
+    terms: dict[Signal, float] = {}
+    for signal, coefficient in node.terms:
+        for moved, factor in _bezier(signal, stage, scope):
+            terms[moved] = terms.get(moved, 0.0) + coefficient * factor
+    kept = [(s, c) for s, c in terms.items() if c != 0.0]
+    kept.sort(key=lambda term: term[0].key)
+    return replace(node, terms=tuple(kept))
+
+
+def _bezier(signal: Signal, stage: int, scope: Scope) -> Terms:
+    """One state's Bezier point 0, 1 or 2; an input is constant over the step."""
+    after = replace(signal, shift=signal.shift + 1)
+    if stage == 0 or signal.role is not Role.STATE:
+        return ((signal, 1.0),)
+    if stage == 2:
+        return ((after, 1.0),)
+    velocity = _velocity_of(signal, scope)
+    if velocity is None:
+        return ((signal, 0.5), (after, 0.5))
+    return ((signal, 1.0), (replace(signal, index=velocity), scope.step / 2.0))
+
+
+def _velocity_of(signal: Signal, scope: Scope) -> int | None:
+    """The state that is the derivative of a position state which moves on a parabola."""
+    agent = scope.agents.get(signal.owner)
+    if agent is None or signal.role is not Role.STATE:
+        return None
+    return _derivatives(agent).get(signal.index)
+
+
+def _derivatives(agent: Agent) -> dict[int, int]:
+    dynamics: Dynamics = agent.dynamics
+    if not dynamics.exact_quadratic or dynamics.position is None or dynamics.velocity is None:
+        return {}
+    rows = dynamics.position
+    states = [int(row.nonzero()[0][0]) for row in rows]
+    return dict(zip(states, dynamics.velocity, strict=True))

@@ -1,0 +1,190 @@
+"""What expressions evaluate to. Scalars are piecewise linear over signals and link qualities."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+from stlc.ir.nodes import Node, Quantity, Signal
+from stlc.mission import Agent, Obstacle, Polytope, Region, Station
+from stlc.sema.units import Unit
+from stlc.syntax import ast
+
+
+@dataclass(frozen=True, slots=True)
+class LinkAtom:
+    """A link quality, as an unknown beside the signals."""
+
+    channel: str
+    quantity: Quantity
+    sender: str
+    receiver: str
+    shift: int = 0
+
+
+Atom = Signal | LinkAtom
+
+
+class FoldKind(Enum):
+    """What a fold does with its arguments."""
+
+    MAX = "max"
+    MIN = "min"
+    DISTANCE = "distance"  # the max over polygon faces, which is within cos(pi/K) of a norm
+
+
+@dataclass(frozen=True, slots=True)
+class Fold:
+    """Maximum or minimum of scalars."""
+
+    kind: FoldKind
+    args: tuple[Scalar, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Scalar:
+    """constant + terms + folds. `unit` None is a bare number, which takes any unit it meets."""
+
+    constant: float = 0.0
+    terms: tuple[tuple[Atom, float], ...] = ()
+    folds: tuple[tuple[Fold, float], ...] = ()
+    unit: Unit | None = None
+
+    @property
+    def is_constant(self) -> bool:
+        """True when it is a number known now."""
+        return not self.terms and not self.folds
+
+
+@dataclass(frozen=True, slots=True)
+class Separation:
+    """The axis differences dx and dy; as a scalar, max(|dx|, |dy|)."""
+
+    dx: Scalar
+    dy: Scalar
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """A formula."""
+
+    node: Node
+
+
+@dataclass(frozen=True, slots=True)
+class Chance:
+    """`P(link predicate)`, before it is compared with a probability."""
+
+    link: Node
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A region or an obstacle."""
+
+    shape: Region | Obstacle
+
+    @property
+    def frames(self) -> tuple[tuple[Polytope, ...], ...]:
+        """Pieces at each step; the last frame stays."""
+        return self.shape.frames if isinstance(self.shape, Obstacle) else (self.shape.pieces,)
+
+
+@dataclass(frozen=True, slots=True)
+class Radio:
+    """An agent or a station."""
+
+    thing: Agent | Station
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        return self.thing.name
+
+
+@dataclass(frozen=True, slots=True)
+class Items:
+    """A tuple, list, family or domain."""
+
+    items: tuple[Value, ...]
+    what: str = "list"
+
+
+@dataclass(frozen=True, slots=True)
+class Members:
+    """`r1.u` or `r1.x`: a vector of signals, to be indexed."""
+
+    items: tuple[Scalar, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A string."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class ChannelName:
+    """A declared channel."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Function:
+    """A parametrised `let`."""
+
+    let: ast.Let
+
+
+Value = (
+    Scalar
+    | Separation
+    | Truth
+    | Chance
+    | Place
+    | Radio
+    | Items
+    | Members
+    | Text
+    | ChannelName
+    | Function
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Env:
+    """What an expression's meaning depends on, besides the declarations."""
+
+    bound: Mapping[str, Value]
+    positive: bool = True  # polarity, for what is only bounded from one side
+    margin: float = 0.0
+
+
+def describe(value: Value) -> str:
+    """What a value is, in a person's words."""
+    match value:
+        case Scalar(unit=unit):
+            return f"a quantity in {unit}" if unit and str(unit) else "a number"
+        case Separation():
+            return "a separation"
+        case Truth():
+            return "a formula"
+        case Chance():
+            return "a probability"
+        case Place(shape=shape):
+            return f"the {type(shape).__name__.lower()} `{shape.name}`"
+        case Radio(thing=thing):
+            return f"the {type(thing).__name__.lower()} `{thing.name}`"
+        case Items(what=what):
+            return f"a {what}"
+        case Members():
+            return "a vector of signals"
+        case Text():
+            return "a text"
+        case ChannelName(name=name):
+            return f"the channel `{name}`"
+        case Function(let=let):
+            return f"the parametrised `{let.name.text}`"

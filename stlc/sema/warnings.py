@@ -1,0 +1,117 @@
+"""Warnings (W1xxx): the mission means something, but perhaps not what its author thinks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from stlc.diagnostics import Warn
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UnusedObstacle(Warn):
+    """An obstacle that no requirement avoids doesn't constrain anything."""
+
+    code: ClassVar[str] = "W1001"
+    title: ClassVar[str] = "obstacle `{name}` is not avoided by any requirement"
+    label: ClassVar[str] = "has no effect"
+    help: ClassVar[str] = "add `require: always forall a in agents: a outside {name}`"
+    name: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UnusedName(Warn):
+    """Something is declared and never used."""
+
+    code: ClassVar[str] = "W1002"
+    title: ClassVar[str] = "{what} `{name}` is never used"
+    label: ClassVar[str] = "declared here"
+    help: ClassVar[str] = "use it or remove it"
+    what: str
+    name: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PartlyOutside(Warn):
+    """A region lies partly outside the workspace; only the rest of it can be reached."""
+
+    code: ClassVar[str] = "W1003"
+    title: ClassVar[str] = "{what} `{name}` lies {how} outside the workspace"
+    label: ClassVar[str] = "beyond the workspace"
+    help: ClassVar[str] = "nothing to do if that is meant"
+    what: str
+    name: str
+    how: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AlwaysTrue(Warn):
+    """A requirement holds whatever the agents do, so it says nothing."""
+
+    code: ClassVar[str] = "W1004"
+    title: ClassVar[str] = "requirement `{name}` always holds"
+    label: ClassVar[str] = "at worst {worst:.6g}, required {margin:g}"
+    help: ClassVar[str] = "remove it, or check its numbers"
+    name: str
+    worst: float
+    margin: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EmptyInequality(Warn):
+    """`!=` on continuous signals without a margin.
+
+    Predicates are closed sets, and any two reals can differ by as little as one likes, so without
+    a margin `a != b` holds everywhere (robustness |a - b| >= 0).
+    """
+
+    code: ClassVar[str] = "W1005"
+    title: ClassVar[str] = "`!=` holds everywhere without a margin"
+    label: ClassVar[str] = "closed semantics: |a - b| >= 0"
+    help: ClassVar[str] = "write `abs(a - b) >= 0.1`, or give the requirement a `margin`"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PaperCost(Warn):
+    """`cost paper_inv_rssi` divides by a level in dB.
+
+    It changes sign at 0 dBm, is singular there and has no physical scale. The default `inv_snr`
+    is the expected energy for each bit.
+    """
+
+    code: ClassVar[str] = "W1006"
+    title: ClassVar[str] = "1/RSSI of a level in dBm has the wrong scale"
+    label: ClassVar[str] = "kept only to repeat published results"
+    help: ClassVar[str] = "use `cost inv_snr`"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NoRequirement(Warn):
+    """The mission requires nothing."""
+
+    code: ClassVar[str] = "W1007"
+    title: ClassVar[str] = "the mission has no requirement"
+    help: ClassVar[str] = "add a line such as `require: eventually[0, 8] r1 in goal`"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OuterPolygon(Warn):
+    """A circumscribed speed polygon lets the speed exceed its limit."""
+
+    code: ClassVar[str] = "W1008"
+    title: ClassVar[str] = "an outer polygon lets the norm exceed its limit"
+    label: ClassVar[str] = "by up to {excess:.1f} % with {sides} sides"
+    help: ClassVar[str] = "leave out `outer`: the inscribed polygon never exceeds it"
+    excess: float
+    sides: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChannelNote(Warn):
+    """The radio model has something to say about the values it was given."""
+
+    code: ClassVar[str] = "W1009"
+    title: ClassVar[str] = "channel `{channel}`: {text}"
+    label: ClassVar[str] = "this channel"
+    channel: str
+    text: str
