@@ -6,6 +6,7 @@ import os
 import subprocess
 import tempfile
 import time
+import warnings
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -62,7 +63,9 @@ class PulpCbc:
         if (answer := trivial(self, model, options)) is not None:
             return answer
         began = time.perf_counter()
-        problem, variables = _problem(model, options.start)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", category=DeprecationWarning)  # what PuLP 4 will drop
+            problem, variables = _problem(model, options.start)
         log = _run(problem, options, integer=bool(model.integrality.any()))
         status = _status(problem)
         if status is Status.UNBOUNDED or (status is Status.INFEASIBLE and "unbounded" in log):
@@ -109,11 +112,16 @@ def _problem(model: Model, start: Any) -> tuple[Any, list[Any]]:
     table, A = np.array(variables, dtype=object), model.A
     entries, values, pointers = table[A.indices].tolist(), A.data.tolist(), A.indptr.tolist()
     bounds = zip(model.row_lower.tolist(), model.row_upper.tolist(), strict=True)
+    unused = dict.fromkeys(table[np.bincount(A.indices, minlength=model.columns) == 0], 0.0)
     for i, (low, high) in enumerate(bounds):
         a, b = pointers[i], pointers[i + 1]
+        sides = _sides(low, high)
         row = pulp.LpAffineExpression(dict(zip(entries[a:b], values[a:b], strict=True)))
-        for sense, side in _sides(low, high):
-            problem.addConstraint(pulp.LpConstraint(row, sense, f"r{i}{sense:+d}", side))
+        if unused and sides:  # PuLP's MPS leaves them out, yet states their bounds, and CBC refuses that
+            row.update(unused)
+            unused = {}
+        for sense, side in sides:
+            problem.addConstraint(pulp.LpConstraint(row, sense, f"r{i}{'elu'[sense]}", side))
     return problem, variables
 
 
@@ -165,7 +173,12 @@ def _run(problem: Any, options: SolveOptions, *, integer: bool) -> str:
 
 
 def _status(problem: Any) -> Status:
-    """PuLP's `status` says Optimal at a time limit; `sol_status` tells the truth."""
+    """PuLP's `status` says Optimal at a time limit; `sol_status` tells the truth.
+
+    The other way round for CBC's 'Integer infeasible', which `sol_status` does not know.
+    """
+    if problem.status == -1:
+        return Status.INFEASIBLE
     match problem.sol_status:
         case 1:
             return Status.OPTIMAL

@@ -126,7 +126,7 @@ _ALL = Capability.GAP | Capability.THREADS | Capability.SEED
 _CBC = Template(
     "cbc", "CBC", "cbc", _cbc,
     optimal=r"^Optimal\b", infeasible=r"^(Infeasible|Integer infeasible)\b",
-    unbounded="", ambiguous=r"^Unbounded\b|^(Dual|Primal)?[Ii]nfeasible or unbounded",
+    unbounded="", ambiguous=r"^Unbounded\b|infeasible!? \(?or unbounded",
     capabilities=_ALL | Capability.START | Capability.NODES,
     version_argument="-quit", version_pattern=r"(?:Version:|CBC)\s+(devel|\d\S+)",
     install="run: apt-get install coinor-cbc",

@@ -105,12 +105,10 @@ def _fields(line: Line, count: int) -> list[str]:
 
 
 def _highs(lines: list[Line], names: Sequence[str]) -> Pairs:
-    primal = next((line for line in lines if line.text.strip() == "# Primal solution values"), None)
-    status = (
-        lines[lines.index(primal) + 1] if primal is not None and primal is not lines[-1] else None
-    )
-    if status is not None and status.text.strip() == "None":
+    primal = _find(lines, r"# Primal solution values")
+    if any(line.text.strip() == "None" for line in lines[primal + 1 : primal + 2]):
         raise NoPlanError(f"{lines[0].file}: HiGHS found no solution")
+    at = _find(lines, r"# Columns\s+\d+")
     count = int(lines[at].text.split()[2])
     for line in _span(lines, at + 1, count):
         name, value = _fields(line, 2)[:2]
@@ -127,7 +125,8 @@ def _find(lines: list[Line], pattern: str) -> int:
     for k, line in enumerate(lines):
         if re.match(pattern, line.text):
             return k
-    raise lines[-1].error(f"the file ends without a line like '{pattern}'".replace("\\", ""))
+    wanted = pattern.replace(r"\s+", " ").replace(r"\d+", "N").strip()
+    raise lines[-1].error(f"the file ends without a line '{wanted}'")
 
 
 def _cbc(lines: list[Line], names: Sequence[str]) -> Pairs:

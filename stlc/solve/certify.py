@@ -1,0 +1,291 @@
+"""No answer is believed: a solver's point is checked against the Model, or refused.
+
+Integers are rounded. If the rounded point breaks a row, the continuous part is solved again with
+the integers fixed. Then rows, bounds, integrality and objective are checked in extended precision.
+What is certified is the point and its objective; that it is optimal, or that there is none, stays
+the claim of the solver, which a second one can confirm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+
+import numpy as np
+
+from stlc.backends import get
+from stlc.backends.base import Backend, Floats, Solution, SolveOptions, Status
+from stlc.errors import SolverError
+from stlc.milp.model import Model
+from stlc.solve.violations import Violations, big_m_warnings, exact_objective, violations
+
+TOLERANCE = 1e-6  # absolute, for rows and bounds: what solvers promise by default
+_FRACTION = 1e-4  # beyond every solver's own integrality tolerance (1e-6 to 1e-5)
+_GROSS = 1e-4  # relative row violation that no tolerance or rounded digits explain
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Certified:
+    """A certified answer. `claim` is what the solver said, untouched.
+
+    `status` is the claim as far as it can stand: OPTIMAL becomes FEASIBLE where it cannot.
+    `x` (n,) has exact integers; `objective` is its own; both None without a point.
+    """
+
+    status: Status
+    claim: Solution
+    x: Floats | None
+    objective: float | None
+    bound: float | None
+    tolerance: float
+    before: Violations | None = None  # of the point as the solver returned it
+    after: Violations | None = None  # of `x`
+    polished: bool = False  # the continuous part was solved again
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def gap(self) -> float | None:
+        """Relative gap between the certified objective and the solver's bound, not negative."""
+        if self.objective is None or self.bound is None:
+            return None
+        return max(0.0, self.objective - self.bound) / max(abs(self.objective), 1e-10)
+
+    def as_dict(self) -> dict[str, object]:
+        """JSON form: point, objective and claim apart."""
+        return {
+            "status": self.status.value,
+            "objective": self.objective,
+            "bound": self.bound,
+            "gap": self.gap,
+            "tolerance": self.tolerance,
+            "claim": {
+                "status": self.claim.status.value,
+                "objective": self.claim.objective,
+                "solver": self.claim.solver,
+                "solver_version": self.claim.solver_version,
+            },
+            "violations_before": None if self.before is None else asdict(self.before),
+            "violations_after": None if self.after is None else asdict(self.after),
+            "continuous_part_solved_again": self.polished,
+            "warnings": list(self.warnings),
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Confirmation:
+    """What a second solver said about a claim of the first."""
+
+    confirmed: bool
+    by: str  # solver and version
+    seconds: float
+    message: str
+
+    def __str__(self) -> str:
+        return self.message
+
+
+def certify(
+    model: Model,
+    solution: Solution,
+    tolerance: float = TOLERANCE,
+    *,
+    options: SolveOptions | None = None,
+) -> Certified:
+    """Certify an answer to `model`, given with the options it was asked under.
+
+    Raises SolverError, which names the solver and what is wrong, for an answer that is refused.
+    """
+    options = options or SolveOptions()
+    _check_claim(solution)
+    if solution.status not in (Status.OPTIMAL, Status.FEASIBLE):
+        bound = solution.bound
+        return Certified(solution.status, solution, None, None, bound, tolerance)
+    x = _checked_point(model, solution)
+    before = violations(model, x)
+    _check_gross(solution, before, tolerance)
+    _check_objective(model, solution, x)
+    rounded = _rounded(model, x)
+    after, polished = violations(model, rounded), False
+    if not after.within(tolerance):
+        rounded, polished = _polished(model, solution, rounded), True
+        after = violations(model, rounded)
+        if not after.within(tolerance):
+            raise _refusal(solution, f"after rounding, {after.describe()}")
+    objective = exact_objective(model, rounded)
+    status, warnings = _standing(solution, objective, options)
+    warnings += big_m_warnings(model)
+    return Certified(
+        status, solution, rounded, objective, solution.bound, tolerance,
+        before, after, polished, warnings,
+    )  # fmt: skip
+
+
+def confirm_infeasible(
+    model: Model,
+    first: Solution | str,
+    second: Backend | None = None,
+    options: SolveOptions | None = None,
+) -> Confirmation:
+    """Let a second solver judge an infeasible claim of `first`; the objective is left out.
+
+    `second` is by default another installed solver (`second_opinion`). `confirmed` is False where
+    there is none or it reached its limits. SolverError names the first solver when the second
+    finds a point and that point is certified.
+    """
+    claim = Solution(Status.INFEASIBLE, solver=first) if isinstance(first, str) else first
+    who = claim.solver_version or claim.solver
+    second = second or second_opinion(claim.solver)
+    if second is None:
+        return Confirmation(False, "", 0.0, f"{who} says so; no second solver is installed")
+    feasibility = replace(model, c=np.zeros(model.columns), offset=0.0)
+    asked = replace(options or SolveOptions(), start=None, on_progress=None)
+    answer = second.solve(feasibility, asked)
+    by = answer.solver_version or second.name
+    if answer.status is Status.INFEASIBLE:
+        return Confirmation(True, by, answer.seconds, f"proven by {who}, confirmed by {by}")
+    if certify(feasibility, answer, options=asked).x is not None:
+        raise _refusal(claim, f"it claims infeasible, but {by} found a point that is certified")
+    return Confirmation(False, by, answer.seconds, f"{who} says so; {by} could not decide")
+
+
+def confirm_optimal(
+    model: Model, first: Certified, second: Backend, options: SolveOptions | None = None
+) -> Confirmation:
+    """Let a second solver judge an optimum. SolverError when it certifies a better point."""
+    asked = replace(options or SolveOptions(), start=None, on_progress=None)
+    other = certify(model, second.solve(model, asked), options=asked)
+    by = other.claim.solver_version or second.name
+    if first.objective is None:
+        raise _refusal(first.claim, "it has no point to confirm")
+    if other.status is Status.INFEASIBLE:
+        raise _refusal(other.claim, "it claims infeasible, but a certified point exists")
+    slack = (asked.gap + TOLERANCE) * max(1.0, abs(first.objective))
+    if other.objective is not None and other.objective < first.objective - slack:
+        raise _refusal(
+            first.claim,
+            f"it claims {first.objective:.9g} is optimal, but {by} found {other.objective:.9g}",
+        )
+    proven = other.status is Status.OPTIMAL
+    said = "agrees" if proven else f"could not decide: {other.claim.message}"
+    return Confirmation(proven, by, other.claim.seconds, f"{by} {said}")
+
+
+_FAMILIES = (
+    ("scip", "external-scip", "external-fscip"),
+    ("mip", "pulp", "external-cbc"),
+    ("highs", "cvxpy", "scipy", "external-highs"),
+    ("external-glpsol",),
+)
+
+
+def second_opinion(first: str) -> Backend | None:
+    """An installed backend that is built on another solver than the one named, if any."""
+    for family in _FAMILIES:
+        if first in family:
+            continue
+        for backend in map(get, family):
+            if backend.available() is None:
+                return backend
+    return None
+
+
+def _refusal(solution: Solution, problem: str) -> SolverError:
+    version = solution.solver_version
+    who = f"{solution.solver} ({version})" if version else solution.solver
+    return SolverError(f"the answer of {who} is refused: {problem}")
+
+
+def _check_claim(solution: Solution) -> None:
+    if solution.status is Status.FAILED:
+        who = solution.solver_version or solution.solver
+        raise SolverError(f"{who} failed: {solution.message or 'it gives no reason'}")
+    for name, value in (("objective", solution.objective), ("bound", solution.bound)):
+        if value is not None and not np.isfinite(value):
+            raise _refusal(solution, f"its {name} is {value}")
+
+
+def _checked_point(model: Model, solution: Solution) -> Floats:
+    if solution.x is None:
+        raise _refusal(solution, f"it claims {solution.status.value} but returned no point")
+    x = np.asarray(solution.x, dtype=float)
+    if x.shape != (model.columns,):
+        raise _refusal(solution, f"it returned {x.size} values for {model.columns} columns")
+    if not np.isfinite(x).all():
+        column = model.col_names()[int(np.flatnonzero(~np.isfinite(x))[0])]
+        raise _refusal(solution, f"column {column} is not a finite number")
+    return x
+
+
+def _check_gross(solution: Solution, found: Violations, tolerance: float) -> None:
+    if found.integrality > _FRACTION:
+        raise _refusal(
+            solution,
+            f"integer column {found.worst_integer} is off its integer by {found.integrality:.3g}",
+        )
+    if found.rows_relative > _GROSS or found.bounds_relative > max(_GROSS, tolerance):
+        raise _refusal(solution, found.describe())
+
+
+def _check_objective(model: Model, solution: Solution, x: Floats) -> None:
+    if solution.objective is None:
+        raise _refusal(solution, "it returned a point without its objective")
+    value = exact_objective(model, x)
+    scale = 1.0 + float(np.abs(model.c) @ np.abs(x)) + abs(model.offset)
+    if abs(value - solution.objective) > TOLERANCE * scale:
+        raise _refusal(
+            solution, f"it claims objective {solution.objective:.12g}, its point has {value:.12g}"
+        )
+    if solution.bound is not None and solution.bound > value + TOLERANCE * scale:
+        raise _refusal(
+            solution, f"its bound {solution.bound:.12g} exceeds its own point's {value:.12g}"
+        )
+
+
+def _rounded(model: Model, x: Floats) -> Floats:
+    integers = np.where(model.integrality == 1, np.round(x), x)
+    return np.clip(integers, model.col_lower, model.col_upper) + 0.0
+
+
+def _polished(model: Model, solution: Solution, x: Floats) -> Floats:
+    """The best continuous part for the integers of x, by HiGHS."""
+    fixed = model.integrality == 1
+    linear = replace(
+        model,
+        integrality=np.zeros_like(model.integrality),
+        col_lower=np.where(fixed, x, model.col_lower),
+        col_upper=np.where(fixed, x, model.col_upper),
+    )
+    again = get("highs").solve(linear, SolveOptions())
+    if again.x is None:
+        found = violations(model, x)
+        raise _refusal(
+            solution, f"with its integers rounded no point is feasible; {found.describe()}"
+        )
+    return _rounded(model, np.where(fixed, x, again.x))
+
+
+def _standing(
+    solution: Solution, objective: float, options: SolveOptions
+) -> tuple[Status, tuple[str, ...]]:
+    """The status that a claim with a certified point can keep, and why not more."""
+    if solution.status is not Status.OPTIMAL:
+        return solution.status, ()
+    who, claimed = solution.solver, solution.objective
+    slack = TOLERANCE * max(1.0, abs(objective))
+    if claimed is not None and objective > claimed + options.gap * abs(claimed) + slack:
+        return Status.FEASIBLE, (
+            f"{who} claims {claimed:.9g} is optimal; its point with exact integers is worth "
+            f"{objective:.9g}, so optimality is not proven",
+        )
+    if (
+        solution.bound is not None
+        and objective - solution.bound
+        > options.gap * 1.01 * max(abs(objective), abs(solution.bound)) + slack
+    ):
+        return Status.FEASIBLE, (
+            f"{who} claims to be optimal, but its own bound {solution.bound:.9g} leaves a gap "
+            f"to {objective:.9g}",
+        )
+    limit = options.time_limit
+    if solution.bound is None and limit is not None and solution.seconds >= limit:
+        return Status.FEASIBLE, (f"{who} claims to be optimal at its time limit, without a bound",)
+    return Status.OPTIMAL, ()

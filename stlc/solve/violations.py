@@ -1,0 +1,132 @@
+"""How far a point is from satisfying a Model, in extended precision."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.milp.model import Floats, Model
+
+_SOLVER_TOLERANCE = 1e-6
+_MARGIN = 1e-3  # what a big-M may leak before a person should hear of it, in a row's units
+_HOPELESS = 1e6
+
+
+@dataclass(frozen=True, slots=True)
+class Violations:
+    """The largest violations of a point; relative ones are to 1 + the size of the terms."""
+
+    rows: float
+    bounds: float
+    integrality: float
+    rows_relative: float
+    bounds_relative: float
+    worst_row: str | None = None
+    worst_column: str | None = None
+    worst_integer: str | None = None
+
+    def within(self, tolerance: float) -> bool:
+        """Rows and bounds within `tolerance`, integers exact."""
+        return max(self.rows, self.bounds) <= tolerance and self.integrality == 0.0
+
+    def describe(self) -> str:
+        """The worst of them in words."""
+        if self.rows >= self.bounds:
+            return f"row {self.worst_row} is violated by {self.rows:.3g}"
+        return f"column {self.worst_column} is outside its bounds by {self.bounds:.3g}"
+
+
+def violations(model: Model, x: Floats) -> Violations:
+    """Largest violations of rows, bounds and integrality at x (n,), all absolute."""
+    wide = x.astype(np.longdouble)
+    activity, size = _activity(model, wide)
+    rows = _outside(activity, model.row_lower, model.row_upper)
+    bounds = _outside(wide, model.col_lower, model.col_upper)
+    whole = np.where(model.integrality == 1, np.abs(wide - np.round(wide)), 0.0)
+    return Violations(
+        _largest(rows),
+        _largest(bounds),
+        _largest(whole),
+        _largest(rows / (1 + size)),
+        _largest(bounds / (1 + np.abs(wide))),
+        _row_name(model, rows),
+        _worst(model, bounds),
+        _worst(model, whole),
+    )
+
+
+def exact_objective(model: Model, x: Floats) -> float:
+    """c'x + offset, summed in extended precision, rounded once."""
+    products = model.c.astype(np.longdouble) * x.astype(np.longdouble)
+    return float(products.sum() + np.longdouble(model.offset))
+
+
+def big_m_warnings(model: Model, margin: float = _MARGIN) -> tuple[str, ...]:
+    """Warn where a solver's integrality tolerance times a big-M may exceed `margin`.
+
+    A big-M is a coefficient of an integer column in a row that has continuous columns too.
+    """
+    from scipy.sparse import csr_matrix
+
+    A, integer = model.A, model.integrality == 1
+    inside = integer[A.indices]
+    row = np.repeat(np.arange(model.rows), np.diff(A.indptr))
+    mixed = np.zeros(model.rows, dtype=bool)
+    mixed[row[~inside]] = True
+    large = np.abs(A.data) * inside * mixed[row]
+    if not len(large) or large.max() * _SOLVER_TOLERANCE <= margin:
+        return ()
+    worst = csr_matrix((large, A.indices, A.indptr), shape=A.shape).max(axis=1).toarray().ravel()
+    at = int(worst.argmax())
+    block, count = model.row_block(at), int((worst * _SOLVER_TOLERANCE > margin).sum())
+    where = f"{block.origin.span}: " if block.origin.span else ""
+    advice = "give the states finite bounds" if worst[at] < _HOPELESS else "no solver is safe here"
+    return (
+        f"{where}{count} rows have a big-M up to {worst[at]:.3g} ({block.name}, from "
+        f"'{block.origin.label}'): a solver may leak {worst[at] * _SOLVER_TOLERANCE:.2g}; {advice}",
+    )
+
+
+_Wide = NDArray[Any]
+
+
+def _activity(model: Model, x: _Wide) -> tuple[_Wide, _Wide]:
+    """A x, and the sum of |a_ij x_j| of each row."""
+    A = model.A
+    terms = A.data.astype(np.longdouble) * x[A.indices]
+    return _row_sums(A.indptr, terms), _row_sums(A.indptr, np.abs(terms))
+
+
+def _row_sums(starts: NDArray[Any], terms: _Wide) -> _Wide:
+    sums = np.zeros(len(starts) - 1, dtype=np.longdouble)
+    filled = np.flatnonzero(np.diff(starts))
+    if len(filled):
+        sums[filled] = np.add.reduceat(terms, starts[filled])
+    return sums
+
+
+def _outside(value: _Wide, lower: Floats, upper: Floats) -> _Wide:
+    below: _Wide = np.maximum(lower - value, value - upper)
+    return np.maximum(below, 0.0)
+
+
+def _largest(values: _Wide) -> float:
+    return float(values.max()) if len(values) else 0.0
+
+
+def _worst(model: Model, values: _Wide) -> str | None:
+    if not len(values) or not values.any():
+        return None
+    return model.col_names()[int(values.argmax())]
+
+
+def _row_name(model: Model, values: _Wide) -> str | None:
+    if not len(values) or not values.any():
+        return None
+    row = int(values.argmax())
+    block = model.row_block(row)
+    origin = block.origin.label if block.origin.span is None else str(block.origin.span)
+    return f"{block.names()[row - block.start]} ({origin})"
