@@ -162,15 +162,25 @@ def critical(evaluator: Evaluator, root: Node) -> tuple[int, str] | None:
         if not options:
             return None
         target = evaluator.judged(node, positive)[step]
-        values = np.abs([evaluator.judged(n, s)[t] for n, t, s in options])
-        gaps = np.where(values == abs(target), 0.0, np.abs(values - min(abs(target), 1e300)))
-        node, step, positive = options[int(np.argmin(gaps))]
+        # The sign of a value turns exactly where the polarity does.
+        values = [
+            evaluator.judged(n, sign)[t] * (1.0 if sign is positive else -1.0)
+            for n, t, sign in options
+        ]
+        node, step, positive = options[_nearest(values, float(target))]
+
+
+def _nearest(values: Sequence[float], target: float) -> int:
+    """Index of the value that equals the target, or comes closest."""
+    if target in values:
+        return values.index(target)
+    return int(np.argmin(np.nan_to_num(np.abs(np.asarray(values) - target), nan=np.inf)))
 
 
 def _options(
     evaluator: Evaluator, node: Node, step: int, positive: bool
 ) -> list[tuple[Node, int, bool]]:
-    """(sub-formula, step, polarity) whose values, up to sign, the node's value is one of."""
+    """(sub-formula, step, polarity); the node's value is one of theirs, up to sign."""
     match node:
         case Not(arg=arg):
             return [(arg, step, not positive)]
