@@ -11,7 +11,7 @@ class Source:
     """One text a person wrote: a mission, an imported library, a data file."""
 
     name: str
-    text: str
+    text: str = field(repr=False)
     _line_starts: tuple[int, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

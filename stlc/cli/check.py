@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from stlc.cli.common import mission_options, parse_defines, show_diagnostics
+from stlc.cli.common import Style, mission_options, parse_defines, show_diagnostics
 from stlc.errors import MissionError, UsageError
 
 _FORMATS = click.Choice(["text", "json", "sarif", "github"])
@@ -17,7 +17,7 @@ _FORMATS = click.Choice(["text", "json", "sarif", "github"])
 @click.option("--format", "style", type=_FORMATS, default="text", show_default=True)
 @click.option("--explain", "code", is_flag=True, help="FILE is a code such as E0201: tell more.")
 def check_command(
-    file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...], style: str, code: bool
+    file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...], style: Style, code: bool
 ) -> int:
     """Check FILE: every mistake with its place, reason and remedy. Exit 1 if there is any."""
     if code:
@@ -82,5 +82,3 @@ def fmt_command(files: tuple[Path, ...], check: bool, stdout: bool) -> int:
     for path in changed:
         click.echo(f"{'would reformat' if check else 'reformatted'} {path}", err=True)
     return 1 if check and changed else 0
-
-

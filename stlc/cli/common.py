@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
 from stlc.errors import MissionError, StlcError
 
 if TYPE_CHECKING:
+    from stlc.diagnostics import Diagnostic
     from stlc.mission import Mission
 
+Style = Literal["text", "json", "sarif", "github"]
 INTERRUPTED = 130
 INTERNAL = 70
 
@@ -60,7 +62,7 @@ def complain(message: str) -> None:
     click.echo(f"{click.style('error', fg='red', bold=True)}: {message}", err=True)
 
 
-def show_diagnostics(diagnostics: Any, style: str = "text") -> None:
+def show_diagnostics(diagnostics: Iterable[Diagnostic], style: Style = "text") -> None:
     """Diagnostics in one of the formats text, json, sarif, github (text goes to stderr)."""
     from stlc.render import render
 

@@ -20,7 +20,7 @@ def backends_command(as_json: bool) -> int:
     for row in rows:
         state = row["version"] or f"missing: {row['missing']}"
         click.echo(f"{row['name']:12} {state}")
-        click.echo(f"{'':12} {', '.join(row['capabilities'])}")
+        click.echo(f"{'':12} {row['capabilities']}")
     return 0
 
 
@@ -31,7 +31,12 @@ def _describe(backend: object) -> dict[str, object]:
     missing = backend.available()
     names = [c.name.lower() for c in Capability if c & backend.capabilities and c.name]
     version = None if missing else backend.version()
-    return {"name": backend.name, "version": version, "missing": missing, "capabilities": names}
+    return {
+        "name": backend.name,
+        "version": version,
+        "missing": missing,
+        "capabilities": ", ".join(names),
+    }
 
 
 @click.command("encodings")

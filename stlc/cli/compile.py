@@ -1,0 +1,79 @@
+"""`stlc compile`: LP and MPS files for any solver, statistics, the IR after a pass."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from stlc.cli.common import load, mission_options
+
+if TYPE_CHECKING:
+    from stlc.milp.model import Model
+
+
+@click.command("compile")
+@mission_options
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="OUT.{lp,mps}[.gz]")
+@click.option("--encoding", default="auto", show_default=True, help="See `stlc encodings`.")
+@click.option("--disable", multiple=True, metavar="PASS", help="Leave a pass out (ablation).")
+@click.option(
+    "--print-after",
+    multiple=True,
+    metavar="PASS",
+    help="Print the IR after this pass ('all': each).",
+)
+@click.option("--stats", is_flag=True, help="Sizes by requirement and by pass, and the LP bound.")
+@click.option("--json", "as_json", is_flag=True, help="Print the statistics as one JSON object.")
+@click.option("-v", "--verbose", is_flag=True, help="Say why each encoding was chosen.")
+def compile_command(
+    file: Path,
+    define: tuple[str, ...],
+    allow_path: tuple[Path, ...],
+    output: Path | None,
+    encoding: str,
+    disable: tuple[str, ...],
+    print_after: tuple[str, ...],
+    stats: bool,
+    as_json: bool,
+    verbose: bool,
+) -> int:
+    """Compile FILE to one exact MILP, for an external solver or for a look at it.
+
+    Beside OUT stands OUT.names.json, which maps every row and column to its place in FILE;
+    `stlc read-solution FILE SOL` turns the solver's answer back into a plan.
+    """
+    from stlc.milp.compile import compile_mission
+    from stlc.milp.encodings import compile_options
+    from stlc.milp.statistics import statistics, statistics_text
+
+    mission = load(file, define, allow_path)
+    compiled = compile_mission(mission, compile_options(encoding, disable, print_after, _show))
+    if output is not None:
+        from stlc.milp.writers import write_model
+
+        write_model(compiled.model, output)
+        _report(compiled.model, output, quiet=as_json)
+    if as_json:
+        click.echo(json.dumps(statistics(compiled), indent=2))
+    elif stats:
+        click.echo(statistics_text(statistics(compiled)))
+    if verbose:
+        for note in compiled.stats.notes:
+            click.echo(note, err=True)
+    return 0
+
+
+def _show(name: str, text: str) -> None:
+    click.echo(f"; after {name}\n{text}")
+
+
+def _report(model: Model, output: Path, quiet: bool) -> None:
+    if quiet:
+        return
+    click.echo(
+        f"{output}: {model.columns} columns ({model.binaries} binary), {model.rows} rows, "
+        f"{model.nonzeros} nonzeros"
+    )

@@ -1,0 +1,85 @@
+"""`stlc explain`: which lines of the file conflict."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
+
+import click
+
+from stlc.cli.common import load, mission_options, show_diagnostics
+from stlc.diagnostics import Diagnostic, Note
+from stlc.errors import InfeasibleError, NoPlanError
+
+if TYPE_CHECKING:
+    from stlc.mission import Mission
+    from stlc.solve.explain import Conflict
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConflictingClauses(Diagnostic):
+    """No plan exists because these clauses cannot hold together.
+
+    Dynamics, bounds and the workspace always hold; of the requirements, those shown cannot all be
+    satisfied by any run. Where the set is minimal, leaving out any one of them makes the rest
+    satisfiable: relax one (a later deadline, a larger region, a lower threshold), or the bounds of
+    the agents it speaks of.
+    """
+
+    code: ClassVar[str] = "E0801"
+    title: ClassVar[str] = "no plan exists: {what} cannot be satisfied{together}"
+    label: ClassVar[str] = "{first}"
+    help: ClassVar[str] = "relax one of them, or the bounds of the agents they speak of"
+    what: str
+    together: str
+    first: str
+
+
+@click.command("explain")
+@mission_options
+@click.option("--backend", default="highs", show_default=True)
+@click.option("--time-limit", type=click.FloatRange(min=0), default=60.0, show_default=True,
+              help="For each of the solves.")  # fmt: skip
+def explain_command(
+    file: Path,
+    define: tuple[str, ...],
+    allow_path: tuple[Path, ...],
+    backend: str,
+    time_limit: float,
+) -> int:
+    """Say which requirements of FILE cannot hold together; exit 3 when there are such.
+
+    Exit 0 when a plan was found possible; 4 when neither was proven within the limit.
+    """
+    return explain_mission(load(file, define, allow_path), backend, time_limit)
+
+
+def explain_mission(mission: Mission, backend: str, time_limit: float) -> int:
+    """Print the conflict; the exit status of `stlc explain`."""
+    from stlc.solve.explain import Verdict, explain
+
+    result = explain(mission, backend=backend, time_limit=time_limit)
+    if not isinstance(result, Verdict):
+        show_diagnostics([_diagnostic(result)])
+        return InfeasibleError.exit_status
+    if result is Verdict.FEASIBLE:
+        click.echo("no conflict: the requirements can be satisfied together")
+        return 0
+    raise NoPlanError(f"not decided within {time_limit:g} s")
+
+
+def _diagnostic(conflict: Conflict) -> Diagnostic:
+    clauses = list(zip(conflict.clauses, conflict.spans, strict=True))
+    several = len(clauses) > 1
+    remarks = [Note(f"with this: `{c.name}`", span) for c, span in clauses[1:]]
+    if not conflict.minimal:
+        remarks.append(Note("the set may not be minimal: some proofs hit the time limit"))
+    remarks.append(Note(f"proven by {conflict.confirmation}"))
+    return ConflictingClauses(
+        span=clauses[0][1],
+        what=f"these {len(clauses)} clauses" if several else f"`{clauses[0][0].name}`",
+        together=" together" if several else "",
+        first=f"`{clauses[0][0].name}`",
+        notes=tuple(remarks),
+    )

@@ -1,0 +1,87 @@
+"""`stlc verify`, `stlc plot`, `stlc read-solution`: what is done with a plan."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from stlc.cli.common import load, mission_options
+from stlc.errors import DisagreementError, ViolationError
+
+
+@click.command("verify")
+@mission_options
+@click.argument("plan", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def verify_command(
+    file: Path, plan: Path, define: tuple[str, ...], allow_path: tuple[Path, ...], as_json: bool
+) -> int:
+    """Judge PLAN against the mission in FILE, independently of every encoder and solver.
+
+    Exit 6 when it violates the mission; the report says what, where and by how much.
+    """
+    from stlc.plan import read_plan
+    from stlc.verify import verify
+
+    report = verify(load(file, define, allow_path), read_plan(plan))
+    click.echo(json.dumps(report.as_dict(), indent=2) if as_json else report.text())
+    return 0 if report.ok else ViolationError.exit_status
+
+
+@click.command("plot")
+@mission_options
+@click.argument("plan", type=click.Path(path_type=Path))
+@click.option("-o", "--output", required=True, type=click.Path(path_type=Path), help="plan.png")
+def plot_command(
+    file: Path, plan: Path, define: tuple[str, ...], allow_path: tuple[Path, ...], output: Path
+) -> int:
+    """Draw PLAN: paths, obstacles, goals, inputs, link quality over time, the channel map."""
+    from stlc.plan import read_plan
+    from stlc.plot import plot_plan
+
+    plot_plan(load(file, define, allow_path), read_plan(plan), output)
+    return 0
+
+
+@click.command("read-solution")
+@mission_options
+@click.argument("solution", type=click.Path(path_type=Path))
+@click.option("--encoding", default="auto", show_default=True, help="As given to `compile`.")
+@click.option("--disable", multiple=True, metavar="PASS", help="As given to `compile`.")
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="plan.json")
+def read_solution_command(
+    file: Path,
+    solution: Path,
+    define: tuple[str, ...],
+    allow_path: tuple[Path, ...],
+    encoding: str,
+    disable: tuple[str, ...],
+    output: Path | None,
+) -> int:
+    """Turn another solver's SOLUTION of the compiled FILE into a certified, verified plan.
+
+    Reads the formats of HiGHS, CBC, SCIP, GLPK, CPLEX and Gurobi; the model must have been
+    compiled with the same options.
+    """
+    from stlc.backends.base import Solution, Status
+    from stlc.milp.compile import compile_mission
+    from stlc.milp.encodings import compile_options
+    from stlc.milp.readers import read_solution
+    from stlc.milp.writers import safe_names
+    from stlc.solve.driver import judge_point
+
+    mission = load(file, define, allow_path)
+    compiled = compile_mission(mission, compile_options(encoding, disable))
+    x = read_solution(solution, safe_names(compiled.model)[0])
+    claim = Solution(Status.FEASIBLE, x, compiled.model.objective(x), solver=solution.name)
+    plan, report = judge_point(mission, compiled, claim)
+    if not report.ok:
+        raise DisagreementError(
+            "the solution satisfies the compiled model but not the mission:\n" + report.text()
+        )
+    if output is not None:
+        plan.write(output)
+    click.echo(report.text())
+    return 0

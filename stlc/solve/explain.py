@@ -1,0 +1,139 @@
+"""Why a mission has no plan: a minimal set of its clauses that cannot hold together.
+
+Deletion filter (Chinneck and Dravnieks, Locating minimal infeasible constraint sets in linear
+programs, 1991) over the mission's clauses: the requirements, and then the conjuncts inside those
+that remain. Dynamics, bounds and the workspace always stay. A clause is dropped only when the rest
+is *proven* infeasible without it; where a proof doesn't come within the limit, the clause is kept
+and the answer says that it may not be minimal. The last infeasibility is confirmed by a second
+solver.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import TYPE_CHECKING
+
+from stlc import backends
+from stlc.backends.base import SolveOptions, Status
+from stlc.errors import InfeasibleError
+from stlc.ir.nodes import Always, And, Node
+from stlc.mission import Mission, Requirement
+from stlc.solve.certify import confirm_infeasible
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from stlc.source import Span
+
+
+class Verdict(Enum):
+    """What is known of a set of clauses."""
+
+    INFEASIBLE = "infeasible"
+    FEASIBLE = "feasible"
+    UNKNOWN = "unknown"
+
+
+@dataclass(frozen=True, slots=True)
+class Conflict:
+    """Clauses (pieces of requirements) that cannot hold together, in the order of the file.
+
+    `minimal`: without any one of them the rest was shown to be satisfiable. `confirmation` names
+    the solvers, or the interval analysis, that proved the conflict.
+    """
+
+    clauses: tuple[Requirement, ...]
+    minimal: bool
+    confirmation: str
+
+    @property
+    def spans(self) -> tuple[Span | None, ...]:
+        """Where the clauses stand."""
+        return tuple(c.formula.span or c.span for c in self.clauses)
+
+
+def explain(
+    mission: Mission, *, backend: str = "highs", time_limit: float = 60.0
+) -> Conflict | Verdict:
+    """A conflict; or FEASIBLE, or UNKNOWN when nothing was proven within the limit.
+
+    `time_limit` [s] holds for each of the at most (clauses + 1) solves.
+    """
+    test = _Tester(mission, backend, time_limit)
+    verdict = test(mission.requirements)
+    if verdict is not Verdict.INFEASIBLE:
+        return verdict
+    kept, _ = _shrink(test, mission.requirements)
+    pieces = tuple(piece for clause in kept for piece in _conjuncts(clause))
+    # Conjuncts say the same as their requirement, so splitting keeps the set infeasible; should
+    # tolerances disagree, the whole requirements stand.
+    if len(pieces) > len(kept) and test(pieces) is Verdict.INFEASIBLE:
+        kept = pieces
+    kept, minimal = _shrink(test, kept)
+    return Conflict(tuple(kept), minimal, test.confirm(kept))
+
+
+def _shrink(test: _Tester, clauses: Sequence[Requirement]) -> tuple[tuple[Requirement, ...], bool]:
+    kept, minimal = list(clauses), True
+    for clause in clauses:
+        rest = [c for c in kept if c is not clause]
+        verdict = test(rest)
+        if verdict is Verdict.INFEASIBLE:
+            kept = rest
+        minimal = minimal and verdict is not Verdict.UNKNOWN
+    return tuple(kept), minimal
+
+
+def _conjuncts(requirement: Requirement) -> tuple[Requirement, ...]:
+    return tuple(replace(requirement, formula=f) for f in _split(requirement.formula))
+
+
+def _split(formula: Node) -> tuple[Node, ...]:
+    """`and` splits, and so does `always` over `and`; every piece keeps its own span."""
+    match formula:
+        case And(args=args):
+            return tuple(piece for arg in args for piece in _split(arg))
+        case Always(arg=And(args=args)):
+            pieces = (piece for arg in args for piece in _split(arg))
+            return tuple(replace(formula, arg=p, span=p.span or formula.span) for p in pieces)
+        case _:
+            return (formula,)
+
+
+@dataclass(slots=True)
+class _Tester:
+    """Is a set of clauses infeasible? Only proofs count."""
+
+    mission: Mission
+    backend: str
+    time_limit: float
+
+    def __call__(self, clauses: Sequence[Requirement]) -> Verdict:
+        from stlc.milp.compile import compile_mission
+
+        try:
+            compiled = compile_mission(self._with(clauses))
+        except InfeasibleError:
+            return Verdict.INFEASIBLE
+        options = SolveOptions(time_limit=self.time_limit, gap=1.0)
+        match backends.get(self.backend).solve(compiled.model, options).status:
+            case Status.INFEASIBLE:
+                return Verdict.INFEASIBLE
+            case Status.OPTIMAL | Status.FEASIBLE:
+                return Verdict.FEASIBLE
+            case _:
+                return Verdict.UNKNOWN
+
+    def confirm(self, clauses: Sequence[Requirement]) -> str:
+        """Who proved it, after a second solver has looked; SolverError when the second differs."""
+        from stlc.milp.compile import compile_mission
+
+        try:
+            compiled = compile_mission(self._with(clauses))
+        except InfeasibleError as error:
+            return f"interval analysis: {error}"
+        return str(confirm_infeasible(compiled.model, self.backend))
+
+    def _with(self, clauses: Sequence[Requirement]) -> Mission:
+        return replace(self.mission, requirements=tuple(clauses), objective=())

@@ -1,0 +1,38 @@
+"""A plan as MIP start: the rest of a point for given trajectories."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from stlc.backends import get
+from stlc.backends.base import Floats, SolveOptions
+from stlc.milp.compile import Compiled
+from stlc.plan import Plan
+
+_SECONDS = 10.0
+_SLACK = 1e-7  # a plan read from a file satisfies its rows up to the tolerance it was certified at
+
+
+def complete_start(compiled: Compiled, plan: Plan) -> Floats | None:
+    """A point x (n,) of the model with the plan's states and inputs, or None if there is none.
+
+    Fixing the trajectories leaves cells, literals and costs, which HiGHS settles in presolve.
+    None too when the plan has other agents, another horizon, or breaks the mission.
+    """
+    model = compiled.model
+    lower, upper = model.col_lower.copy(), model.col_upper.copy()
+    for columns, kind in ((compiled.states, "states"), (compiled.inputs, "inputs")):
+        for agent, cols in columns.items():
+            run = plan.runs.get(agent)
+            values = None if run is None else np.asarray(getattr(run, kind), dtype=float)
+            if values is None or values.shape != cols.shape:
+                return None
+            kept = np.clip(values, lower[cols], upper[cols])
+            if np.max(np.abs(kept - values), initial=0.0) > 1e-4:
+                return None
+            lower[cols] = np.maximum(lower[cols], kept - _SLACK)
+            upper[cols] = np.minimum(upper[cols], kept + _SLACK)
+    fixed = replace(model, col_lower=lower, col_upper=upper)
+    return get("highs").solve(fixed, SolveOptions(time_limit=_SECONDS, gap=0.0)).x
