@@ -83,7 +83,8 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
     requirements = _requirements(statements, scope)
     terms = _objective(_of(statements, ast.Objective), scope)
     given = _horizon(_single(statements, ast.Horizon, report), scope)
-    steps = horizon.derive(requirements, given, objective.last_step(terms), report)
+    least, plans = objective.last_step(terms), bool(scope.agents) or bool(scope.broken)
+    steps = horizon.derive(requirements, given, least, plans, report)
     mission = Mission(
         source=file.source,
         step=scope.step,

@@ -57,11 +57,16 @@ class Reach:
 
 
 def derive(
-    requirements: Sequence[Requirement], given: int | None, least: int, report: Report
+    requirements: Sequence[Requirement],
+    given: int | None,
+    least: int,
+    plans: bool,
+    report: Report,
 ) -> int:
     """T. Reports what looks past a given horizon, and a mission of unbounded operators alone.
 
-    `least` is the furthest step that the objective's windows name.
+    `least` is the furthest step that the objective's windows name; without agents (`plans` false)
+    the formulas are for recorded signals, whose length is the horizon.
     """
     reach = Reach()
     needed = [reach.of(r.formula) for r in requirements]

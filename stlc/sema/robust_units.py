@@ -22,4 +22,5 @@ def units_in(formulas: Iterable[Node]) -> set[str]:
 
 def link_unit(node: Link) -> str:
     """dB for strengths, ratios and their chance forms; rates, ratios and costs have none."""
-    return "dB" if node.quantity in (Quantity.RSSI, Quantity.SNR) else ""
+    decibels = node.quantity in (Quantity.RSSI, Quantity.SNR)
+    return "dB" if decibels or node.probability is not None else ""

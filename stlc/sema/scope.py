@@ -155,8 +155,10 @@ class Scope:
             case "agents":
                 return Items(tuple(Radio(a) for a in self.agents.values()), "list of agents")
             case "stations":
+                self.used.update(self.stations)
                 return Items(tuple(Radio(s) for s in self.stations.values()), "list of stations")
             case "regions":
+                self.used.update(self.regions)
                 return Items(tuple(Place(r) for r in self.regions.values()), "list of regions")
             case "obstacles":
                 self.used.update(self.obstacles)

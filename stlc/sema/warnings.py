@@ -115,3 +115,19 @@ class ChannelNote(Warn):
     label: ClassVar[str] = "this channel"
     channel: str
     text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NeverFromStart(Warn):
+    """A requirement can't hold from where the agents start, whatever they do later.
+
+    Solving such a mission ends with a proof that there is no plan.
+    """
+
+    code: ClassVar[str] = "W1010"
+    title: ClassVar[str] = "requirement `{name}` can't hold from these starts"
+    label: ClassVar[str] = "at best {best:.6g}, required {margin:g}"
+    help: ClassVar[str] = "begin its window later, `always[1, n]`, or move a start"
+    name: str
+    best: float
+    margin: float

@@ -1,0 +1,186 @@
+"""What bounds alone say about a formula's robustness: an interval that holds for every run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import cos, inf, pi
+from typing import assert_never
+
+import numpy as np
+
+from stlc.ir.nodes import (
+    Always,
+    And,
+    Const,
+    Eventually,
+    Iff,
+    Implies,
+    Linear,
+    Link,
+    Node,
+    Not,
+    Or,
+    Quantity,
+    Relation,
+    Release,
+    Role,
+    Signal,
+    Timed,
+    Until,
+)
+from stlc.mission import Agent, Array, PolygonKind, Polytope
+
+Interval = tuple[float, float]
+
+_QUANTITY: dict[Quantity, Interval] = {
+    Quantity.BER: (0.0, 0.5),
+    Quantity.BER_AT_MEAN: (0.0, 0.5),
+    Quantity.PRR: (0.0, 1.0),
+}
+
+
+@dataclass(slots=True)
+class StaticRange:
+    """Intervals of robustness; `starts`, if given, fixes the states at step 0."""
+
+    boxes: Mapping[tuple[str, Role], tuple[Array, Array]]
+    starts: Mapping[str, Array] = field(default_factory=dict)
+    known: dict[tuple[int, bool], Interval] = field(default_factory=dict)
+    kept: list[Node] = field(default_factory=list)
+
+    def of(self, node: Node, first: bool) -> Interval:
+        """Interval of the formula, judged at step 0 (`first`) or at any step."""
+        key = (id(node), first)
+        found = self.known.get(key)
+        if found is None:
+            found = self._compute(node, first)
+            self.known[key] = found
+            self.kept.append(node)
+        return found
+
+    def _compute(self, node: Node, first: bool) -> Interval:
+        match node:
+            case Const(value=value):
+                return (inf, inf) if value else (-inf, -inf)
+            case Linear():
+                return self._linear(node, first)
+            case Link():
+                return _link(node)
+            case Not(arg=arg):
+                low, high = self.of(arg, first)
+                return -high, -low
+            case And(args=args):
+                return _least([self.of(a, first) for a in args])
+            case Or(args=args):
+                return _most([self.of(a, first) for a in args])
+            case Implies(left=left, right=right):
+                return self._implies(left, right, first)
+            case Iff(left=left, right=right):
+                there = self._implies(left, right, first)
+                return _least([there, self._implies(right, left, first)])
+            case Always(arg=arg):
+                return _least(self._window(node, arg, first))
+            case Eventually(arg=arg):
+                return _most(self._window(node, arg, first))
+            case Until(left=left, right=right):
+                return _least([_hull(self._near(c, first)) for c in (left, right)])
+            case Release(left=left, right=right):
+                return _most([_hull(self._near(c, first)) for c in (left, right)])
+            case Timed(cases=cases):
+                return _hull([self.of(c, first) for c in cases])
+        raise TypeError(f"no range for {type(node).__name__}")
+
+    def _implies(self, left: Node, right: Node, first: bool) -> Interval:
+        low, high = self.of(left, first)
+        return _most([(-high, -low), self.of(right, first)])
+
+    def _window(self, node: Always | Eventually, arg: Node, first: bool) -> list[Interval]:
+        if not first or node.start > 0:
+            return [self.of(arg, False)]
+        return [self.of(arg, True)] if node.end == 0 else self._near(arg, True)
+
+    def _near(self, arg: Node, first: bool) -> list[Interval]:
+        later = self.of(arg, False)
+        return [self.of(arg, True), later] if first else [later]
+
+    def _linear(self, node: Linear, first: bool) -> Interval:
+        low = high = node.constant
+        for signal, coefficient in node.terms:
+            least, most = self._signal(signal, first)
+            ends = (coefficient * least, coefficient * most)
+            low, high = low + min(ends), high + max(ends)
+        return low, high
+
+    def _signal(self, signal: Signal, first: bool) -> Interval:
+        start = self.starts.get(signal.owner)
+        if first and signal.shift == 0 and signal.role is Role.STATE and start is not None:
+            value = float(start[signal.index])
+            return value, value
+        box = self.boxes.get((signal.owner, signal.role))
+        if box is None:
+            return -inf, inf
+        return float(box[0][signal.index]), float(box[1][signal.index])
+
+
+def _least(parts: list[Interval]) -> Interval:
+    return min((p[0] for p in parts), default=inf), min((p[1] for p in parts), default=inf)
+
+
+def _most(parts: list[Interval]) -> Interval:
+    return max((p[0] for p in parts), default=-inf), max((p[1] for p in parts), default=-inf)
+
+
+def _hull(parts: list[Interval]) -> Interval:
+    return min(p[0] for p in parts), max(p[1] for p in parts)
+
+
+def _link(node: Link) -> Interval:
+    if node.probability is not None:
+        return -inf, inf
+    low, high = _QUANTITY.get(node.quantity, (-inf, inf))
+    match node.relation:
+        case Relation.AT_LEAST:
+            return low - node.threshold, high - node.threshold
+        case Relation.AT_MOST:
+            return node.threshold - high, node.threshold - low
+        case _:
+            assert_never(node.relation)
+
+
+def boxes(
+    agents: Mapping[str, Agent], workspace: Polytope | None
+) -> dict[tuple[str, Role], tuple[Array, Array]]:
+    """Intervals of every state and input, from bounds, norms and the workspace."""
+    found: dict[tuple[str, Role], tuple[Array, Array]] = {}
+    for name, agent in agents.items():
+        found[(name, Role.STATE)] = _state_box(agent, workspace)
+        found[(name, Role.INPUT)] = _with_norms(
+            agent.input_lower.copy(), agent.input_upper.copy(), agent, "input"
+        )
+    return found
+
+
+def _state_box(agent: Agent, workspace: Polytope | None) -> tuple[Array, Array]:
+    lower, upper = agent.state_lower.copy(), agent.state_upper.copy()
+    rows = agent.dynamics.position
+    if workspace is not None and rows is not None:
+        for axis, row in enumerate(rows):
+            used = np.flatnonzero(row)
+            if len(used) == 1 and row[used[0]] == 1.0:
+                corner = workspace.vertices[:, axis]
+                lower[used] = np.maximum(lower[used], corner.min())
+                upper[used] = np.minimum(upper[used], corner.max())
+    return _with_norms(lower, upper, agent, "state")
+
+
+def _with_norms(lower: Array, upper: Array, agent: Agent, what: str) -> tuple[Array, Array]:
+    """A state's norm holds from step 1 on, so its value at step 0 is let in as well."""
+    for norm in agent.state_norms if what == "state" else agent.input_norms:
+        outer = norm.kind is PolygonKind.OUTER
+        reach = norm.limit / cos(pi / norm.sides) if outer else norm.limit
+        for k in norm.indices:
+            start = float(agent.start[k]) if what == "state" else 0.0
+            lower[k] = max(lower[k], min(-reach, start))
+            upper[k] = min(upper[k], max(reach, start))
+    return lower, upper
