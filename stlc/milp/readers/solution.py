@@ -179,10 +179,13 @@ def _cplex(lines: list[Line], names: Sequence[str]) -> Pairs:
 
 
 def _gurobi(lines: list[Line], names: Sequence[str]) -> Pairs:
+    """Lines `NAME VALUE`; the columns that Gurobi makes of two-sided rows are left out."""
+    known = set(names)
     for line in lines:
         if line.text.strip() and not line.text.startswith("#"):
             name, value = _fields(line, 2)[:2]
-            yield line, name, value
+            if name in known or not name.startswith("MPS_Rg"):
+                yield line, name, value
 
 
 def _glpk_raw(lines: list[Line], names: Sequence[str]) -> Pairs:
