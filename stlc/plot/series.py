@@ -1,0 +1,221 @@
+"""Curves over time: velocities, inputs, link quality with the thresholds asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.ir.nodes import Link, Quantity, Relation, walk
+from stlc.mission import Agent, Mission
+from stlc.plan import LinkSeries, Plan
+from stlc.plot.style import COLOURS, QUIET, SMALL, Look
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+
+MOST_COMPONENTS = 3  # agents up to which both components are drawn
+MOST_PAIRS = 8  # entries that a legend of pairs has room for
+
+_STYLES: tuple[Any, ...] = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (6, 1.5, 1, 1.5)))
+_KEYS = {
+    Quantity.RSSI: "rssi", Quantity.SNR: "snr", Quantity.BER: "ber",
+    Quantity.BER_AT_MEAN: "ber", Quantity.PRR: "prr", Quantity.COST: "cost",
+}  # fmt: skip
+_TITLES = {
+    "rssi": ("Received strength", "RSSI [dBm]"),
+    "snr": ("Signal to noise", "SNR [dB]"),
+    "ber": ("Bit error rate", "BER"),
+    "prr": ("Packet reception", "PRR"),
+    "cost": ("Link cost", "cost"),
+    "distance": ("Distance", "distance [m]"),
+}
+
+
+def draw_velocities(axes: Axes, mission: Mission, plan: Plan, look: Mapping[str, Look]) -> None:
+    """Velocity components, or speeds when there are many agents."""
+    curves = {}
+    for name, agent in mission.agents.items():
+        if agent.dynamics.velocity is not None:
+            curves[name] = plan.runs[name].states[:, list(agent.dynamics.velocity)]
+    _components(axes, curves, plan.times, look, ("v", "m/s"), hold=False)
+    axes.set_title("Velocity")
+
+
+def draw_inputs(axes: Axes, mission: Mission, plan: Plan, look: Mapping[str, Look]) -> None:
+    """Inputs, each held from its step to the next; norms when there are many agents."""
+    curves = {name: plan.runs[name].inputs for name in mission.agents}
+    units = {u for a in mission.agents.values() for u in a.dynamics.input_units}
+    unit = units.pop() if len(units) == 1 else ""
+    _components(axes, curves, plan.times, look, ("u", unit), hold=True)
+    axes.set_title("Input")
+
+
+def _components(
+    axes: Axes,
+    curves: Mapping[str, Array],
+    times: Array,
+    look: Mapping[str, Look],
+    name: tuple[str, str],
+    *,
+    hold: bool,
+) -> None:
+    symbol, unit = name
+    norms = len(curves) > MOST_COMPONENTS
+    for agent, values in curves.items():
+        shown = np.linalg.norm(values, axis=1)[:, None] if norms else values
+        for k, column in enumerate(shown.T):
+            style: dict[str, Any] = {
+                "color": look[agent].colour,
+                "linestyle": _STYLES[k % len(_STYLES)],
+            }
+            if hold and len(column):
+                axes.stairs(column, times[: len(column) + 1], baseline=None, linewidth=1.5,
+                            edgecolor=style["color"], linestyle=style["linestyle"])  # fmt: skip
+            elif len(column):
+                axes.plot(times[: len(column)], column, linewidth=1.5, **style)
+    label = f"|{symbol}|" if norms else symbol
+    axes.set_ylabel(f"{label} [{unit}]" if unit else label)
+    if not norms and any(v.shape[1] > 1 for v in curves.values()):
+        _component_key(axes, max(v.shape[1] for v in curves.values()), symbol)
+
+
+def _component_key(axes: Axes, count: int, symbol: str) -> None:
+    from matplotlib.lines import Line2D
+
+    names = "xyzw"
+    items = [
+        Line2D([], [], color="#404040", linestyle=_STYLES[k % len(_STYLES)],
+               label=f"{symbol}{names[k] if count <= 4 else k + 1}")
+        for k in range(count)
+    ]  # fmt: skip
+    axes.legend(handles=items, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=count,
+                borderaxespad=0.2, handlelength=2.4, columnspacing=1.2)  # fmt: skip
+
+
+def velocity_agents(mission: Mission) -> list[Agent]:
+    """Agents whose velocity is known."""
+    return [a for a in mission.agents.values() if a.dynamics.velocity is not None]
+
+
+@dataclass(frozen=True, slots=True)
+class LinkPanel:
+    """One quantity of one channel over time."""
+
+    channel: str
+    key: str
+    series: tuple[LinkSeries, ...]
+    predicates: tuple[Link, ...]
+
+
+def link_panels(mission: Mission, links: Sequence[LinkSeries]) -> list[LinkPanel]:
+    """A panel for each channel and each quantity that the mission asks about.
+
+    A channel that is asked nothing shows its RSSI, or its cost.
+    """
+    found: list[LinkPanel] = []
+    predicates = _predicates(mission)
+    for channel in dict.fromkeys(series.channel for series in links):
+        mine = tuple(s for s in links if s.channel == channel)
+        asked = [p for p in predicates if p.channel == channel]
+        known = {key for s in mine for key in s.values}
+        keys = dict.fromkeys(k for k in map(_key_of, asked) if k in known)
+        for fallback in () if keys else ("rssi", "cost", "distance"):
+            if fallback in known:
+                keys = dict.fromkeys([fallback])
+                break
+        found += [
+            LinkPanel(channel, key, mine, tuple(p for p in asked if _key_of(p) == key))
+            for key in keys
+        ]
+    return found
+
+
+def _predicates(mission: Mission) -> list[Link]:
+    nodes = (node for r in mission.requirements for node in walk(r.formula))
+    return list(dict.fromkeys(node for node in nodes if isinstance(node, Link)))
+
+
+def _key_of(link: Link) -> str:
+    return _KEYS[link.quantity]
+
+
+def draw_links(axes: Axes, mission: Mission, plan: Plan, panel: LinkPanel) -> None:
+    """One curve for each pair, one dashed line for each threshold."""
+    series = _shown(panel)
+    named = _most_telling(series, panel)
+    for s in series:
+        values = s.values[panel.key]
+        colour = COLOURS[named.index(s) % len(COLOURS)] if s in named else QUIET
+        strong = s in named
+        axes.plot(
+            plan.times, values, color=colour, linewidth=1.6 if strong else 0.7,
+            marker="." if strong else "", markersize=4, zorder=4 if strong else 3,
+            label=f"{s.sender} \N{EN DASH} {s.receiver}" if strong else None,
+        )  # fmt: skip
+        if strong:
+            _chance_level(axes, plan, panel, s, colour)
+    _thresholds(axes, panel)
+    title, label = _TITLES[panel.key]
+    several = len(mission.channels) > 1
+    axes.set_title(f"{title} ({panel.channel})" if several else title, pad=18)
+    axes.set_ylabel(label)
+    if panel.key == "ber":
+        axes.set_yscale("log")
+        axes.set_ylim(bottom=max(axes.get_ylim()[0], 1e-12))
+    rest = len(series) - len(named)
+    if rest:
+        axes.plot([], [], color=QUIET, linewidth=0.7, label=f"{rest} more pairs")
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1, borderpad=0.1,
+                ncols=MOST_PAIRS, handlelength=1.4, columnspacing=1.0, handletextpad=0.4)  # fmt: skip
+
+
+def _shown(panel: LinkPanel) -> list[LinkSeries]:
+    """The pairs that this panel's predicates name; all of them when there is none."""
+    asked = {frozenset((p.sender, p.receiver)) for p in panel.predicates}
+    known = [s for s in panel.series if panel.key in s.values]
+    return [s for s in known if frozenset((s.sender, s.receiver)) in asked] or known
+
+
+def _most_telling(series: Sequence[LinkSeries], panel: LinkPanel) -> list[LinkSeries]:
+    """The pairs that get a name and a colour: all of a few, else the weakest."""
+    if len(series) < MOST_PAIRS:
+        return list(series)
+    sign = -1.0 if panel.key in ("ber", "cost", "distance") else 1.0
+    worst = sorted(series, key=lambda s: float(np.nanmin(sign * s.values[panel.key])))
+    return worst[: MOST_PAIRS - 3]
+
+
+def _chance_level(
+    axes: Axes, plan: Plan, panel: LinkPanel, series: LinkSeries, colour: str
+) -> None:
+    """The level that one packet exceeds with the probability asked for."""
+    from stlc.radio.links import z_quantile
+
+    ends = {series.sender, series.receiver}
+    for p in panel.predicates:
+        if p.probability is None or ends != {p.sender, p.receiver} or panel.key != "rssi":
+            continue
+        sign = 1.0 if p.relation is Relation.AT_LEAST else -1.0
+        level = series.values["rssi"] - sign * z_quantile(p.probability) * series.values["sigma"]
+        axes.plot(plan.times, level, color=colour, linewidth=1.0, linestyle=(0, (1, 1)), zorder=4,
+                  label=f"{100 * p.probability:g} % level")  # fmt: skip
+
+
+def _thresholds(axes: Axes, panel: LinkPanel) -> None:
+    """A dashed line for each distinct threshold, its value written at the right edge."""
+    levels = sorted({(p.threshold, p.relation) for p in panel.predicates}, key=lambda x: x[0])
+    for level, relation in levels:
+        axes.axhline(level, color="black", linewidth=1.0, linestyle=(0, (5, 2)), zorder=5)
+        mark = (
+            "\N{GREATER-THAN OR EQUAL TO}"
+            if relation is Relation.AT_LEAST
+            else ("\N{LESS-THAN OR EQUAL TO}")
+        )
+        axes.annotate(f"{mark} {level:g}", (1.0, level), (3, 0), va="center", fontsize=SMALL,
+                      xycoords=axes.get_yaxis_transform(), textcoords="offset points")  # fmt: skip

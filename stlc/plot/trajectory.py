@@ -1,0 +1,122 @@
+"""The map: workspace, regions, obstacles, stations and the continuous motion of all agents."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.mission import Mission, Obstacle, Polytope
+from stlc.plan import Plan
+from stlc.plot.labels import Labels
+from stlc.plot.style import BODY, BUFFER, REGION, SMALL, Look
+from stlc.verify.continuous import Path, paths
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+
+FINE = 24  # points drawn for each step
+MOST_FRAMES = 6
+
+
+def draw_map(axes: Axes, mission: Mission, plan: Plan, look: Mapping[str, Look]) -> Labels:
+    """Everything that has a place; returns the labels, to be placed when the layout is final."""
+    motion = paths(mission, dict(plan.runs))
+    labels = Labels(axes)
+    _surroundings(axes, mission, labels)
+    for name in mission.agents:
+        if name in motion:
+            curve = _agent(axes, motion[name], mission.horizon, look[name])
+            labels.avoid.append(curve)
+            labels.add(
+                name, curve[0], curve[0], 7.0, color=look[name].colour, fontsize=SMALL, fontweight="bold",
+            )  # fmt: skip
+    axes.set(xlabel="x [m]", ylabel="y [m]", title="Trajectories")
+    axes.set_aspect("equal", adjustable="datalim" if mission.workspace is None else "box")
+    _limits(axes, mission, labels.avoid)
+    _key(axes)
+    return labels
+
+
+def _surroundings(axes: Axes, mission: Mission, labels: Labels) -> None:
+    if mission.workspace is not None:
+        _fill(axes, [mission.workspace], facecolor="none", edgecolor="black", linewidth=1.2)
+    for region in mission.regions.values():
+        style = {"facecolor": REGION + "2E", "edgecolor": REGION, "linewidth": 1.0}
+        _fill(axes, region.pieces, **style, zorder=1)
+        _label(labels, region.name, region.pieces, color="#00664A", fontsize=SMALL)
+    for obstacle in mission.obstacles.values():
+        _obstacle(axes, obstacle, mission.horizon)
+        _label(labels, obstacle.name, obstacle.frames[0], color=BODY, fontsize=SMALL)
+    for station in mission.stations.values():
+        x, y = station.position
+        axes.plot(x, y, marker="^", markersize=10, color="white", markeredgecolor="black",
+                  markeredgewidth=1.6, linestyle="", zorder=8)  # fmt: skip
+        labels.add(station.name, station.position, station.position, 8.0, fontsize=SMALL)
+
+
+def _obstacle(axes: Axes, obstacle: Obstacle, horizon: int) -> None:
+    """Body and buffer; a moving one at a few times, the later the fainter."""
+    count = min(len(obstacle.frames), horizon + 1)
+    shown = np.unique(np.linspace(0, count - 1, min(count, MOST_FRAMES)).round().astype(int))
+    for order, frame in enumerate(shown):
+        fade = 1.0 - 0.75 * order / max(len(shown) - 1, 1)
+        buffer = {"facecolor": "none", "edgecolor": BODY, "linestyle": (0, (3, 2))}
+        if obstacle.inflate or obstacle.frames is not obstacle.bodies:
+            _fill(axes, obstacle.frames[frame], **buffer, linewidth=0.9, alpha=fade, zorder=2)
+        _fill(axes, obstacle.bodies[frame], facecolor=BUFFER, edgecolor=BODY, linewidth=1.0,
+              alpha=fade, zorder=2, hatch="////" if len(shown) == 1 else None)  # fmt: skip
+
+
+def _agent(axes: Axes, path: Path, horizon: int, look: Look) -> Array:
+    """The true arc, a dot at each sample, markers at start and end; returns the arc (K, 2)."""
+    arc = path.at(np.linspace(0.0, horizon, horizon * FINE + 1))
+    axes.plot(*arc.T, color=look.colour, linewidth=1.6, zorder=5)
+    dots: dict[str, Any] = {"color": look.colour, "linestyle": "", "zorder": 6}
+    axes.plot(*path.c0.T, marker=".", markersize=5 if horizon <= 60 else 2.5, **dots)
+    start: dict[str, Any] = {"markerfacecolor": "white", "markeredgewidth": 1.6, "markersize": 8}
+    axes.plot(*path.c0[0], marker=look.marker, **dots, **start)
+    axes.plot(*path.c0[-1], marker=look.marker, markersize=8, markeredgecolor="white",
+              markeredgewidth=0.8, **dots)  # fmt: skip
+    return arc
+
+
+def _fill(axes: Axes, pieces: Iterable[Polytope], **style: Any) -> None:
+    from matplotlib.patches import Polygon
+
+    for piece in pieces:
+        axes.add_patch(Polygon(piece.vertices, closed=True, **style))
+
+
+def _label(labels: Labels, name: str, pieces: Sequence[Polytope], **style: Any) -> None:
+    corners = np.vstack([piece.vertices for piece in pieces])
+    labels.add(name, corners.min(axis=0), corners.max(axis=0), **style)
+
+
+def _limits(axes: Axes, mission: Mission, curves: Sequence[Array]) -> None:
+    if mission.workspace is None:
+        axes.margins(0.08)
+        return
+    points = np.vstack([mission.workspace.vertices, *curves])
+    low, high = points.min(axis=0), points.max(axis=0)
+    pad = 0.05 * (high - low)
+    axes.set_xlim(low[0] - pad[0], high[0] + pad[0])
+    axes.set_ylim(low[1] - pad[1], high[1] + pad[1])
+
+
+def _key(axes: Axes) -> None:
+    """What hollow, filled and small markers mean."""
+    from matplotlib.lines import Line2D
+
+    base: dict[str, Any] = {"color": "#404040", "linestyle": "", "marker": "o"}
+    items = [
+        Line2D([], [], **base, markersize=7, markerfacecolor="white", label="start"),
+        Line2D([], [], **base, markersize=7, label="end"),
+        Line2D([], [], **base, markersize=2.5, label="sample"),
+    ]
+    axes.legend(handles=items, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3,
+                borderaxespad=0.2, handletextpad=0.2, columnspacing=1.0)  # fmt: skip
