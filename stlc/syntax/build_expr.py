@@ -79,7 +79,7 @@ class ExprBuilder:
         return ast.Tuple(self.span(start, end), tuple(c))
 
     def list_of(self, start: int, end: int, c: Children) -> ast.Expr:
-        return ast.List(self.span(start, end), tuple(item for item in c if item is not None))
+        return ast.List(self.span(start, end), tuple(c))
 
     def attribute(self, start: int, end: int, c: Children) -> ast.Expr:
         return ast.Attribute(self.span(start, end), c[0], self.ident(c[1]))

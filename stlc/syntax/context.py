@@ -211,6 +211,7 @@ class _Context:
     def _shape_word(self, token: Token) -> bool:
         text, after = token.text, self._peek()
         opener = {"box": "[", "polygon": "(", "moving": "{"}
+        due = self._last in ("EQ", "PLUS", "COLON", "ST_WORKSPACE")
         if not self.operand and after.text == opener.get(text):
             self._emit(text.upper(), token, operand=False)
         elif not self.operand and text == "geojson" and after.kind == STRING:
@@ -219,6 +220,9 @@ class _Context:
             self._emit("TIMES", token, operand=False)
         elif self.operand and text in ("hole", "feature", "inflate"):
             self._emit(text.upper(), token, operand=False)
+            self.shaped = text != "inflate"
+        elif due and "(" not in self.frames:
+            self._emit(NAME, token, operand=True)
         else:
             return False
         return True
@@ -265,11 +269,25 @@ class _Context:
             return long or self._is_interval()
         if after.text == "|":
             return long or self._hugs(after)
+        if after.text == "(" and after.start == token.end and self._several_arguments():
+            return False
         if after.text in ("-", "−"):
             return long
         if long and (after.kind == "$END" or word_terminals().get(after.text) in _CONNECTIVES):
             return word_terminals().get(self._peek(2).text) not in BINARY
         return self._begins_operand(after, self._peek(2))
+
+    def _several_arguments(self) -> bool:
+        """Whether the parentheses that follow hold nothing, or values with commas between them."""
+        depth = 0
+        for position in range(self.at + 1, len(self.tokens)):
+            text = self.tokens[position].text
+            depth += (text in ("(", "[", "{")) - (text in (")", "]", "}"))
+            if depth == 0:
+                return position == self.at + 2
+            if depth == 1 and text == ",":
+                return True
+        return False
 
     def _is_interval(self) -> bool:
         """Whether the bracket that follows is an interval and not the index of a family."""
