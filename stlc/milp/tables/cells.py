@@ -26,6 +26,7 @@ import numpy as np
 
 from stlc.milp.context import Context
 from stlc.milp.model import Floats, Ints
+from stlc.milp.tables.boxes import join_boxes
 from stlc.milp.tables.simplex import (
     Kind,
     Simplex,
@@ -134,51 +135,14 @@ def _box_weights(ctx: Context, place: Place) -> Ints:
         cols = ctx.builder.add_columns(place.name("cell"), (len(region.cells),), 0.0, 1.0)
         ctx.memo[key] = cols
         ctx.builder.add_dense_rows(place.name("cell_one"), cols, 1.0, 1.0, 1.0)
-        join_boxes(ctx, place.name("cell_span"), cols, region.spans, ordered_axes(ctx, place))
+        join_boxes(
+            ctx.builder, place.name("cell_span"), cols, region.spans, ordered_axes(ctx, place)
+        )
         for axis in range(2):
             simplex = of_columns(cols)
             _pin(ctx, place, axis, simplex, region.low[:, axis], region.high[:, axis])
     found: Ints = ctx.memo[key]
     return found
-
-
-def join_boxes(ctx: Context, name: str, cols: Ints, boxes: Ints, axes: Sequence[Ints]) -> None:
-    """Tie columns y >= 0 with sum y <= 1 to the index boxes they stand for.
-
-    boxes (K, 2 d): first and last interval on each of d axes; axes: d arrays of ordered binaries.
-    For every axis and every i that is some box's last interval, or the one before its first:
-
-        sum {y_k : first_k > i} <= b_i          sum {y_k : last_k <= i} <= 1 - b_i
-
-    At integer b only boxes that contain the point keep y > 0. Rows for other i are implied by
-    the order of b, so their number is bounded by twice the binaries whatever K is.
-    """
-    for axis, binaries in enumerate(axes):
-        first, last = boxes[:, 2 * axis], boxes[:, 2 * axis + 1]
-        starts = np.unique(first[first > 0]) - 1
-        ends = np.unique(last[last < len(binaries)])
-        _box_rows(ctx, f"{name}_from", cols, first[None, :] > starts[:, None], binaries[starts])
-        _box_rows(ctx, f"{name}_to", cols, last[None, :] <= ends[:, None], binaries[ends], 1.0)
-
-
-def _box_rows(
-    ctx: Context, name: str, cols: Ints, mask: np.ndarray, binaries: Ints, upper: float = 0.0
-) -> None:
-    """Rows: sum of the masked columns -+ b <= upper."""
-    if not len(binaries):
-        return
-    rows, members = np.nonzero(mask)
-    count = len(binaries)
-    sign = 1.0 if upper else -1.0
-    ctx.builder.add_rows(
-        name,
-        np.concatenate([rows, np.arange(count)]),
-        np.concatenate([cols[members], binaries]),
-        np.concatenate([np.ones(len(rows)), np.full(count, sign)]),
-        -np.inf,
-        upper,
-        count=count,
-    )
 
 
 def _pin(

@@ -8,6 +8,8 @@ that the others make superfluous are dropped.
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -39,12 +41,21 @@ def cover(allowed: Bools, most: int) -> Ints | None:
 
 
 def clipped(boxes: Ints, first: Ints, shape: tuple[int, ...]) -> Ints:
-    """Boxes cut to the window that starts at `first` (d,), counted from there; none superfluous."""
+    """Boxes cut to the window that starts at `first` (d,), counted from there.
+
+    Of equal boxes one is kept; boxes within another are dropped.
+    """
     low = np.maximum(boxes[:, 0::2] - first, 0)
     high = np.minimum(boxes[:, 1::2] - first, np.array(shape) - 1)
     meets = (low <= high).all(axis=1)
     cut = np.stack([low[meets], high[meets]], axis=2).reshape(-1, 2 * len(shape))
-    return _needed(list(cut), shape)
+    cut = np.unique(cut, axis=0)
+    within = np.ones((len(cut), len(cut)), bool)
+    for column in range(cut.shape[1]):
+        mine, theirs = cut[:, None, column], cut[None, :, column]
+        within &= theirs <= mine if column % 2 == 0 else theirs >= mine
+    np.fill_diagonal(within, False)
+    return np.asarray(cut[~within.any(axis=1)])
 
 
 def _seeds(open_: Bools) -> Ints:
@@ -122,10 +133,16 @@ def _count(summed: Ints, corners: Ints) -> Ints:
     index = flat[..., 0, :]
     for axis in range(1, axes):
         index = (index[..., :, None] + flat[..., axis, None, :]).reshape(*index.shape[:-1], -1)
+    return np.asarray(summed.ravel()[index] @ _signs(axes))
+
+
+@cache
+def _signs(axes: int) -> Ints:
+    """(2^d,): 1 for corners with an even number of low ends, else -1."""
     signs = np.array([1], np.int64)
     for _ in range(axes):
-        signs = np.kron(signs, [-1, 1])
-    return np.asarray(summed.ravel()[index] @ signs)
+        signs = np.kron(signs, np.array([-1, 1]))
+    return signs
 
 
 def _slices(box: Ints) -> tuple[slice, ...]:

@@ -6,7 +6,7 @@ k = 1..K, products of index intervals. With y_k in [0, 1] and the literal z in {
     sum_k y_k = z
     sum {y_k : first_k > i} <= b_i,   sum {y_k : last_k <= i} <= 1 - b_i   for each axis of each end
 
-over the ordered axis binaries b (see `cells.join_boxes`). At integer b only boxes that hold the
+over the ordered axis binaries b (see `boxes`). At integer b only boxes that hold the
 occupied cells keep y_k > 0, so z = 1 needs an allowed cell (pair). K columns and one binary; rows
 at most 1 + 2 (binaries of the axes), however many cell pairs are allowed. K = 1 needs no y.
 
@@ -26,7 +26,8 @@ import numpy as np
 
 from stlc.milp.context import Context
 from stlc.milp.model import Ints
-from stlc.milp.tables.cells import join_boxes, ordered_axes
+from stlc.milp.tables.boxes import join_boxes
+from stlc.milp.tables.cells import ordered_axes
 from stlc.milp.tables.cover import Bools, clipped, cover
 from stlc.milp.tables.link import Link
 from stlc.milp.tables.pairs import existing_pair_columns, pair_columns
@@ -76,13 +77,27 @@ def index_boxes(ctx: Context, link: Link, allowed: Bools) -> Ints | None:
     key = ("tables.cover", link.spans.key, allowed.tobytes(), len(link.ends))
     if key not in ctx.memo:
         ctx.memo[key] = cover(_on_intervals(link.spans, allowed), BOXES)
+    regions = [place.reach(ctx) for place in link.places]
+    first = tuple(f for r in regions for f in r.first)
+    shape = tuple(m for r in regions for m in r.shape)
+    cut = _cut(ctx, key, first, shape)
+    if cut is None or len(link.ends) == 1 or 4 * len(cut) <= prod(link.shape(ctx)):
+        return cut
+    return None
+
+
+def _cut(
+    ctx: Context, key: tuple[object, ...], first: tuple[int, ...], shape: tuple[int, ...]
+) -> Ints | None:
+    """The cover stored under `key`, cut to a window (memoised: many links share windows)."""
     boxes: Ints | None = ctx.memo[key]
     if boxes is None:
         return None
-    regions = [place.reach(ctx) for place in link.places]
-    first = np.array([f for r in regions for f in r.first])
-    cut = clipped(boxes, first, tuple(m for r in regions for m in r.shape))
-    return cut if len(link.ends) == 1 or 4 * len(cut) <= prod(link.shape(ctx)) else None
+    window = (*key, first, shape)
+    if window not in ctx.memo:
+        ctx.memo[window] = clipped(boxes, np.array(first), shape)
+    found: Ints = ctx.memo[window]
+    return found
 
 
 def _on_intervals(spans: Spans, allowed: Bools) -> Bools:
@@ -105,7 +120,7 @@ def _by_boxes(ctx: Context, link: Link, column: int, boxes: Ints) -> None:
         cols = ctx.builder.add_columns(link.name("box"), (len(boxes),), 0.0, 1.0)
         members, values = np.append(cols, column), np.append(np.ones(len(cols)), -1.0)
         ctx.builder.add_dense_rows(link.name("box_one"), members, values, 0.0, 0.0)
-    join_boxes(ctx, link.name("box"), cols, boxes, axes)
+    join_boxes(ctx.builder, link.name("box"), cols, boxes, axes)
 
 
 def _by_pairs(ctx: Context, link: Link, column: int, pairs: Ints, allowed: Bools) -> None:
