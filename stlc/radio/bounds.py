@@ -36,14 +36,17 @@ Interval = tuple[Array, Array]
 SLACK = 1e-9
 """Added on both sides for rounding [dB, dB^2]."""
 
+FINEST = 8
+"""Most parts along an axis of a cell; its square towards a station."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PairBounds:
     """Bounds over closed cell pairs, each an interval of (na, nb) arrays.
 
     mean [dBm]; sigma [dB] (fading included if asked for); level = mean - z sigma [dBm];
-    gap [dB]: the largest distance between a bound of `level` and the values seen on a lattice
-    of each pair (an upper estimate of the slack); parts: how finely the loosest cells were cut.
+    gap [dB]: the largest distance between a bound of `level` and the values seen in its pair
+    (an upper estimate of the slack); parts: how finely the loosest cells were cut.
     """
 
     mean: Interval
@@ -89,8 +92,13 @@ def pair_bounds(
     bounds[0::2], bounds[1::2] = -np.inf, np.inf
     loose = np.ones((len(a), len(other)), dtype=np.bool_)
     parts, last = 1, 1
-    while loose.any() and _work(field, a, other, loose, parts, b is None, spread) <= budget:
-        _refine(field, a, other, bounds, loose, parts, b is None, ask)
+    finest = FINEST if (other.half > 0).any() else FINEST**2
+    while (
+        loose.any()
+        and parts <= finest
+        and _work(field, a, other, loose, parts, b is None, spread) <= budget
+    ):
+        _refine(field, a, other, (bounds, *seen), loose, parts, b is None, ask)
         gap = np.maximum(seen[0] - bounds[4], bounds[5] - seen[1])
         loose = gap > tolerance
         parts, last = 2 * parts, parts
@@ -136,13 +144,15 @@ def _refine(
     field: PairField,
     a: Boxes,
     b: Boxes,
-    bounds: Array,
+    found: tuple[Array, Array, Array],
     loose: NDArray[np.bool_],
     parts: int,
     symmetric: bool,
     ask: _Ask,
 ) -> None:
-    """Tighten `bounds` (6, na, nb) in place where `loose`, with cells cut parts x parts."""
+    """Tighten bounds (6, na, nb) and the least and greatest level seen, in place where
+    `loose`, with cells cut parts x parts."""
+    bounds, seen_low, seen_high = found
     left = prepare_ends(field, a.subdivide(parts), False)
     right = prepare_ends(field, b.subdivide(parts), True)
     per_a, per_b = len(left.boxes) // len(a), len(right.boxes) // len(b)
@@ -155,12 +165,23 @@ def _refine(
             cells = columns[start : start + most]
             theirs = right.take((cells[:, None] * per_b + np.arange(per_b)).ravel())
             piece = _sub_bounds(field, mine, theirs, ask)
-            for k, values in enumerate(piece):
-                best = _reduce(values.reshape(1, per_a, len(cells), per_b), k % 2 == 1)[0]
+            shape = (1, per_a, len(cells), per_b)
+            best = [_reduce(v.reshape(shape), k % 2 == 1)[0] for k, v in enumerate(piece[:6])]
+            for k in range(6):
                 keep = np.minimum if k % 2 else np.maximum
-                bounds[k, row, cells] = keep(bounds[k, row, cells], best)
-                if symmetric:
-                    bounds[k, cells, row] = bounds[k, row, cells]
+                _keep(bounds[k], row, cells, best[k], keep, symmetric)
+            level = piece[6].reshape(shape)
+            _keep(seen_low, row, cells, _reduce(level, False)[0], np.minimum, symmetric)
+            _keep(seen_high, row, cells, _reduce(level, True)[0], np.maximum, symmetric)
+
+
+def _keep(
+    table: Array, row: int, cells: NDArray[np.intp], new: Array, rule: np.ufunc, symmetric: bool
+) -> None:
+    """Merge new values into one row (and its mirror) of a table."""
+    table[row, cells] = rule(table[row, cells], new)
+    if symmetric:
+        table[cells, row] = table[row, cells]
 
 
 def _reduce(values: Array, upper: bool) -> Array:
@@ -169,7 +190,8 @@ def _reduce(values: Array, upper: bool) -> Array:
 
 
 def _sub_bounds(field: PairField, left: Ends, right: Ends, ask: _Ask) -> list[Array]:
-    """Mean, sigma and level intervals (lower, upper, ...) over pairs of boxes."""
+    """Mean, sigma and level intervals (lower, upper, ...) over pairs of boxes, and the level
+    at their centres."""
     model = field.model
     near, at, far = distances(left.boxes, right.boxes)
     ends = (far, near) if model.exponent >= 0 else (near, far)
@@ -177,7 +199,8 @@ def _sub_bounds(field: PairField, left: Ends, right: Ends, ask: _Ask) -> list[Ar
     extra, z = (model.fading if ask.fading else 0.0), ask.z
     if not field.centres:
         sigma = np.full_like(near, np.sqrt(model.shadowing + extra))
-        return [low, high, sigma, sigma, low - z * sigma, high - z * sigma]
+        centre = path_loss_mean(at, model.l0, model.exponent, model.d0) - z * sigma
+        return [low, high, sigma, sigma, low - z * sigma, high - z * sigma, centre]
     overlap = [1.0 + np.exp(-((d / model.length) ** 2)) for d in (far, near, at)]
     scale = [1.0 / np.sqrt(g) for g in (overlap[1], overlap[0], overlap[2])]
     loss = expand_path_loss(model, left.boxes, right.boxes, near, at)
@@ -189,11 +212,12 @@ def _sub_bounds(field: PairField, left: Ends, right: Ends, ask: _Ask) -> list[Ar
     if not ask.spread:
         least = np.full_like(near, np.sqrt(extra))
         most = np.full_like(near, np.sqrt(model.shadowing + extra))
-        return [low, high, least, most, low, high]
+        return [low, high, least, most, low, high, mean.centre]
     rest = expand_rest(field, left, right, near, overlap)
     least, most = _variance(model.shadowing, rest.interval(), scale)
     least, most = least + extra, most + extra
     level = _level(model.shadowing, mean, drift, rest, scale, (least, most, extra), z)
+    spread = np.maximum(model.shadowing * scale[2] ** 2 * rest.centre, 0.0) + extra
     sigma_low, sigma_high = np.sqrt(least), np.sqrt(most)
     weak, strong = (sigma_high, sigma_low) if z >= 0 else (sigma_low, sigma_high)
     return [
@@ -203,6 +227,7 @@ def _sub_bounds(field: PairField, left: Ends, right: Ends, ask: _Ask) -> list[Ar
         sigma_high,
         np.maximum(low - z * weak, level[0] - SLACK),
         np.minimum(high - z * strong, level[1] + SLACK),
+        mean.centre - z * np.sqrt(spread),
     ]
 
 

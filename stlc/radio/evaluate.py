@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stlc.radio.errors import FitError
 from stlc.radio.gp import ChannelModel, condition
 from stlc.radio.likelihood import make_blocks
-from stlc.radio.samples import Samples, merge
+from stlc.radio.samples import Samples, make_samples, merge
 from stlc.radio.tobit import mills
 
 Array = NDArray[np.float64]
@@ -117,9 +117,7 @@ def approximation_error(
     order = np.argsort(((seen.links - middle) ** 2).sum(1), kind="stable")
     near = seen.take(order[:most])
     shift = np.array([model.offset(n) if model.offsets else 0.0 for n in near.names])
-    level = near.rssi - shift[near.receiver]
-    plain = Samples(near.links, level, near.floor, np.zeros_like(near.receiver))
-    exact = condition(model, plain)
+    exact = condition(model, make_samples(near.links, near.rssi - shift[near.receiver]))
     asked = near.links[:100]
     a, b = model.predict(asked, False), exact.predict(asked, False)
     mean = float(np.sqrt(((a[0] - b[0]) ** 2).mean()))

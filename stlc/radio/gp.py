@@ -74,8 +74,8 @@ class ChannelModel:
         return base + self.offset(receiver)
 
     def offset(self, receiver: str | None) -> float:
-        """Calibration offset [dB]; 0 for None. Raises RadioError for an unknown name."""
-        if receiver is None:
+        """Calibration offset [dB]; 0 for no name. Raises RadioError for an unknown name."""
+        if not receiver:
             return 0.0
         known = dict(self.offsets)
         if receiver not in known:

@@ -124,8 +124,8 @@ def uniform_grid(
 
 
 def _clip_edges(edges: Array, low: float, high: float) -> Array:
-    inner = edges[(edges > low + TOUCH) & (edges < high - TOUCH)]
     ends = max(low, edges[0]), min(high, edges[-1])
+    inner = edges[(edges > ends[0] + TOUCH) & (edges < ends[1] - TOUCH)]
     if ends[1] - ends[0] <= TOUCH:
         raise RadioError("the partition and the workspace do not overlap")
     return np.concatenate([[ends[0]], inner, [ends[1]]])

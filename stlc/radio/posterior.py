@@ -4,9 +4,9 @@ For centres c_1..c_M every posterior used here has the form
     mean(y)     = m(y) + k(y, c) w
     variance(y) = sigma_k^2 - |R k(c, y)|^2
 Exact conditioning (paper, eq. (3) and (6)): c are the samples, w = (C + D)^-1 (z - m),
-R = L^-1 with L L' = C + D. Inducing points (Quinonero-Candela and Rasmussen, 2005, the
-projected process / DTC posterior with its prior variance kept): c are M chosen links,
-B = C_uu + C_uf D^-1 C_fu, w = B^-1 C_uf D^-1 (z - m), R'R = C_uu^-1 - B^-1.
+R = L^-1 with L L' = C + D. Inducing points (FITC; Snelson and Ghahramani, 2006): c are M
+chosen links, E = D + diag(C_ff - C_fu C_uu^-1 C_uf), B = C_uu + C_uf E^-1 C_fu,
+w = B^-1 C_uf E^-1 (z - m), R'R = C_uu^-1 - B^-1.
 """
 
 from __future__ import annotations
@@ -88,9 +88,12 @@ def inducing_posterior(
     for start in range(0, len(links), 2048):
         rows = slice(start, start + 2048)
         cross = sigma_k2 * correlation(centres, links[rows], length, kernel)
-        half = solve_lower(lower, cross) / np.sqrt(noise[rows])
+        half = solve_lower(lower, cross)
+        missed = np.maximum(sigma_k2 - np.einsum("ij,ij->j", half, half), 0.0)
+        scale = np.sqrt(noise[rows] + missed)
+        half /= scale
         gram += half @ half.T
-        moment += half @ (residual[rows] / np.sqrt(noise[rows]))
+        moment += half @ (residual[rows] / scale)
     value, vector = np.linalg.eigh(gram)
     inverse = solve_lower(lower, np.eye(len(centres)))
     weights = inverse.T @ (vector @ ((vector.T @ moment) / value))
