@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from stlc.errors import UsageError
+from stlc.milp.builder import ModelBuilder
 from stlc.milp.tables import (
     ENCODINGS,
     TableError,
@@ -15,9 +16,11 @@ from stlc.milp.tables import (
     link_value,
     registry,
 )
+from stlc.milp.tables.boxes import join_boxes
 from stlc.milp.tables.cells import Place
 from stlc.milp.tables.lifted import lifting
 from stlc.milp.tables.link import ends_of
+from stlc.milp.tables.simplex import ordered
 from stlc.milp.tables.spans import spans_of
 from stlc.radio.partition import Partition, grid, uniform_grid
 
@@ -114,6 +117,33 @@ def test_lifting_coefficients_are_the_minima() -> None:
     for i in range(4):
         for k in range(4):
             assert alpha[i, k] == min(costs[k] - costs[i])
+
+
+@pytest.mark.parametrize("count", [3, 60])
+def test_boxes_keep_weight_only_around_the_point(count: int) -> None:
+    """Few boxes are written out row by row, many by differences with slacks."""
+    rng = np.random.default_rng(count)
+    low = rng.integers(0, 9, (count, 2))
+    boxes = np.stack([low, np.minimum(low + (count == 3) * 5, 8)], axis=2)
+    builder = ModelBuilder()
+    axes = [ordered(builder, name, 9) for name in "xy"]
+    cols = builder.add_columns("y", (count,), 0.0, 1.0, cost=-1.0)
+    builder.add_dense_rows("one", cols, 1.0, 0.0, 1.0)
+    join_boxes(builder, "box", cols, boxes.reshape(count, 4), axes)
+    model = builder.build()
+    assert any("slack" in b.name for b in model.col_blocks) == (count == 60)
+    assert model.rows <= 2 * 7 + 1 + 2 * 16
+    inside = 0
+    for point in rng.integers(0, 9, (20, 2)):
+        pinned = {
+            int(col): float(k < point[axis])
+            for axis, binaries in enumerate(axes)
+            for k, col in enumerate(binaries)
+        }
+        held = ((boxes[:, :, 0] <= point) & (point <= boxes[:, :, 1])).all(axis=1).any()
+        inside += held
+        assert optimum(model, pinned) == pytest.approx(-float(held), abs=1e-6)
+    assert 0 < inside < 20
 
 
 def test_auto_explains_its_choice(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,4 +1,10 @@
-"""Link tables in the MILP: costs, values and thresholds between cells of two radios."""
+"""Link tables in the MILP: costs, values and thresholds between cells of two radios.
+
+Cells are closed: a position on a border may count as either side. The choice is one for each
+agent, step and kind of columns, shared by every pair, cost and predicate that uses them. So at a
+border one table takes its cheapest cell, several tables the cells that are cheapest together.
+Positions are held inside the partition at the steps where a table is used.
+"""
 
 from __future__ import annotations
 

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from hashlib import blake2b
 
 import numpy as np
 
@@ -76,8 +77,17 @@ def _cuts(
     for end, costs in enumerate((table, table.T)):
         count = len(costs)
         cols = np.concatenate([value, cells[1 - end], cells[end]])
-        values = np.hstack([np.full((count, 1), sign), -costs, -lifting(costs)])
+        values = np.hstack([np.full((count, 1), sign), -costs, -_shared_lifting(ctx, costs)])
         ctx.builder.add_dense_rows(f"{name}_{end}", cols[None, :], values, 0.0, np.inf)
+
+
+def _shared_lifting(ctx: Context, costs: Floats) -> Floats:
+    """`lifting`, once for links and steps that see the same costs."""
+    key = ("tables.lifting", costs.shape, blake2b(costs.tobytes()).digest())
+    if key not in ctx.memo:
+        ctx.memo[key] = lifting(costs)
+    found: Floats = ctx.memo[key]
+    return found
 
 
 def lifting(costs: Floats) -> Floats:
