@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import TypeVar
 
@@ -49,6 +50,8 @@ def analyse(
     scope = Scope(report, evaluate)
     statements = imports.statements(file, files, report)
     _declare_names(statements, scope)
+    if report.errors:
+        scope.broken.update(_unread_names(file.source.text, scope))
     scope.overrides = overrides(params or {}, scope.declarations, report)
     mission = _build(file, statements, scope, files)
     if report.errors:
@@ -83,7 +86,7 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
     requirements = _requirements(statements, scope)
     terms = _objective(_of(statements, ast.Objective), scope)
     given = _horizon(_single(statements, ast.Horizon, report), scope)
-    least, plans = objective.last_step(terms), bool(scope.agents) or bool(scope.broken)
+    least, plans = objective.last_step(terms), bool(scope.agents) and not report.errors
     steps = horizon.derive(requirements, given, least, plans, report)
     mission = Mission(
         source=file.source,
@@ -114,6 +117,16 @@ def _declare_names(statements: list[ast.Statement], scope: Scope) -> None:
                 _signal_units(statement, scope)
         elif isinstance(statement, Named):
             _declare(statement.name, statement, scope)
+
+
+_DECLARES = re.compile(
+    r"^[ \t]*(?:param|dynamics|agent|station|region|obstacle|channel|let|signal)\s+(\w+)", re.M
+)
+
+
+def _unread_names(text: str, scope: Scope) -> set[str]:
+    """Names whose declaration has a syntax error: using them is no further mistake."""
+    return {m[1] for m in _DECLARES.finditer(text)} - scope.declarations.keys()
 
 
 def _declare(name: ast.Ident, statement: ast.Statement, scope: Scope) -> None:
