@@ -38,7 +38,11 @@ def save_plot(mission: Mission, plan: Plan, path: str | os.PathLike[str], dpi: i
         known = ", ".join(f".{name}" for name in FORMATS)
         raise UsageError(f"cannot draw {os.fspath(path)}: the name must end in one of {known}")
     figure = plan_figure(mission, plan)
+    import matplotlib
+
+    from stlc.plot.style import RC
+
     # Without a date the same plan gives the same bytes.
     metadata = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(kind)
-    with atomic_output(path) as stream:
+    with matplotlib.rc_context(RC), atomic_output(path) as stream:
         figure.savefig(stream, format=kind, dpi=dpi, metadata=metadata)

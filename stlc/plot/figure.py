@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from stlc.mission import Mission
 from stlc.plan import Plan
@@ -87,22 +87,18 @@ def _panels(mission: Mission, plan: Plan, look: dict[str, Look]) -> _Panels:
 
 
 def _lay_out(figure: Figure, panels: _Panels) -> list[tuple[Axes, Draw]]:
-    left, right = figure.subfigures(1, 2, width_ratios=[1.25, 1.0], wspace=0.02)
-    draws: list[tuple[Axes, Draw]] = []
-    shared: Axes | None = None
-    for axes, draw in zip(right.subplots(len(panels.right), 1, squeeze=False)[:, 0], panels.right,
-                          strict=True):  # fmt: skip
-        shared = shared or axes
-        draws.append((axes, draw))
-    draws[-1][0].set_xlabel("time [s]")
+    halves: Any = figure.subfigures(1, 2, squeeze=False, width_ratios=[1.25, 1.0], wspace=0.02)
+    left, right = halves[0]
+    column = right.subplots(len(panels.right), 1, squeeze=False)[:, 0]
+    column[-1].set_xlabel("time [s]")
+    draws = list(zip(column, panels.right, strict=True))
     rows = [part for part in ((panels.map,) if panels.map else (), panels.below) if part]
+    if not rows:
+        return draws
     heights = [2.1 if part == (panels.map,) else 1.0 for part in rows]
-    areas = (
-        left.subfigures(len(rows), 1, height_ratios=heights, squeeze=False)[:, 0] if rows else []
-    )
+    areas = left.subfigures(len(rows), 1, squeeze=False, height_ratios=heights)[:, 0]
     for area, part in zip(areas, rows, strict=True):
-        spots = area.subplots(1, len(part), squeeze=False)[0]
-        draws += list(zip(spots, part, strict=True))
+        draws += list(zip(area.subplots(1, len(part), squeeze=False)[0], part, strict=True))
     return draws
 
 

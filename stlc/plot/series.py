@@ -80,7 +80,8 @@ def _components(
             elif len(column):
                 axes.plot(times[: len(column)], column, linewidth=1.5, **style)
     label = f"|{symbol}|" if norms else symbol
-    axes.set_ylabel(f"{label} [{unit}]" if unit else label)
+    pretty = unit.replace("^2", "\N{SUPERSCRIPT TWO}")
+    axes.set_ylabel(f"{label} [{pretty}]" if unit else label)
     if not norms and any(v.shape[1] > 1 for v in curves.values()):
         _component_key(axes, max(v.shape[1] for v in curves.values()), symbol)
 
@@ -172,7 +173,8 @@ def draw_links(axes: Axes, mission: Mission, plan: Plan, panel: LinkPanel) -> No
     if rest:
         axes.plot([], [], color=QUIET, linewidth=0.7, label=f"{rest} more pairs")
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1, borderpad=0.1,
-                ncols=MOST_PAIRS, handlelength=1.4, columnspacing=1.0, handletextpad=0.4)  # fmt: skip
+                ncols=MOST_PAIRS, handlelength=1.4, columnspacing=1.0,
+                handletextpad=0.4)  # fmt: skip
 
 
 def _shown(panel: LinkPanel) -> list[LinkSeries]:

@@ -33,7 +33,8 @@ def draw_map(axes: Axes, mission: Mission, plan: Plan, look: Mapping[str, Look])
             curve = _agent(axes, motion[name], mission.horizon, look[name])
             labels.avoid.append(curve)
             labels.add(
-                name, curve[0], curve[0], 7.0, color=look[name].colour, fontsize=SMALL, fontweight="bold",
+                name, curve[0], curve[0], 7.0,
+                color=look[name].colour, fontsize=SMALL, fontweight="bold",
             )  # fmt: skip
     axes.set(xlabel="x [m]", ylabel="y [m]", title="Trajectories")
     axes.set_aspect("equal", adjustable="datalim" if mission.workspace is None else "box")

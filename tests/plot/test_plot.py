@@ -1,0 +1,125 @@
+"""Pictures: right panels, true arcs, labels apart, clear errors."""
+
+from itertools import combinations
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from support.missions import agent, avoid, box, mission, obstacle, reach, roll
+
+from stlc.errors import OutputError, UsageError
+from stlc.ir.nodes import Always, Eventually, Link, Quantity, Relation
+from stlc.mission import Bound, Channel, Region, Requirement, Station
+from stlc.plan import make_plan
+from stlc.plot import plan_figure, save_plot
+from stlc.radio.gp import ChannelModel
+from stlc.radio.links import LinkBudget, Modulation
+from stlc.radio.partition import uniform_grid
+
+T = 6
+
+
+def build(count=2, channel=True, places=None):
+    team = [agent(f"r{i + 1}", (1 + 0.7 * i, 1 + 0.8 * (i % 3), 1.0, 0.5)) for i in range(count)]
+    goal = Region("goal", (box(8, 9, 8, 9),))
+    pillar = obstacle("pillar", box(4, 6, 4, 6), box(3.7, 6.3, 3.7, 6.3))
+    needs = [Requirement(f"reach{one.name}", reach(one.name, box(8, 9, 8, 9), T)) for one in team]
+    needs += [
+        Requirement(f"clear{one.name}", avoid(one.name, box(4, 6, 4, 6)), 0.1) for one in team
+    ]
+    radio = Channel(
+        "radio", uniform_grid((0, 12), (0, 12), 4, 4), ChannelModel(-12.89, 3.0, 10.0, 10.0, 2.0),
+        LinkBudget(-60.0, Modulation.OQPSK_802_15_4), predicate_bound=Bound.CENTRE,
+    )  # fmt: skip
+    if channel:
+        for a, b in combinations(team, 2):
+            talk = Link("radio", Quantity.RSSI, a.name, b.name, Relation.AT_LEAST, -40.0)
+            needs.append(Requirement(f"talk{a.name}{b.name}", Always(talk, 0, None)))
+        sure = Link("radio", Quantity.RSSI, "r1", "base", Relation.AT_LEAST, -36.0, 0.95)
+        wrong = Link("radio", Quantity.BER, "r1", "base", Relation.AT_MOST, 1e-3)
+        needs += [Requirement("sure", Eventually(sure, 0, None))]
+        needs += [Requirement("ber", Always(wrong, 0, None))]
+    there = mission(
+        team, needs, horizon=T, regions=[goal], obstacles=[pillar], workspace=box(0, 12, 0, 12),
+        channels=[radio] if channel else [],
+        stations=[Station("base", np.array([5.0, 0.3]))] if channel else [],
+    )  # fmt: skip
+    runs = {one.name: roll(one, np.full((T, 2), 0.05)) for one in team}
+    plan = make_plan(there, {k: v[0] for k, v in runs.items()}, {k: v[1] for k, v in runs.items()})
+    return there, plan
+
+
+def titles(figure):
+    return [axes.get_title(loc="left") for axes in figure.axes if axes.get_title(loc="left")]
+
+
+def panel(figure, title):
+    return next(axes for axes in figure.axes if axes.get_title(loc="left") == title)
+
+
+def test_panels_with_a_channel():
+    figure = plan_figure(*build())
+    assert sorted(titles(figure)) == sorted(
+        [
+            "Trajectories", "Velocity", "Input", "Received strength", "Bit error rate",
+            "Channel seen from r2 at 6 s", "Robustness",
+        ]
+    )  # fmt: skip
+    strength = panel(figure, "Received strength")
+    flat = [line for line in strength.lines if len(set(line.get_ydata())) == 1]
+    assert {line.get_ydata()[0] for line in flat} == {-40.0, -36.0}
+    assert [t.get_text() for t in strength.get_legend().get_texts()] == [
+        "r1 \N{EN DASH} r2", "r1 \N{EN DASH} base", "95 % level",
+    ]  # fmt: skip
+
+
+def test_panels_without_a_channel():
+    figure = plan_figure(*build(channel=False))
+    assert sorted(titles(figure)) == ["Input", "Robustness", "Trajectories", "Velocity"]
+
+
+def test_the_motion_is_the_true_arc():
+    there, plan = build(1, channel=False)
+    axes = panel(plan_figure(there, plan), "Trajectories")
+    arc = max((line.get_xydata() for line in axes.lines), key=len)
+    x0, v0, a = plan.runs["r1"].states[0, :2], plan.runs["r1"].states[0, 2:], np.full(2, 0.05)
+    np.testing.assert_allclose(arc[12], x0 + 0.5 * v0 + 0.125 * a)
+    np.testing.assert_allclose(arc[-1], plan.runs["r1"].states[-1, :2])
+
+
+@pytest.mark.parametrize("count", [2, 10])
+def test_labels_on_the_map_do_not_overlap(count):
+    axes = panel(plan_figure(*build(count)), "Trajectories")
+    renderer = axes.figure.canvas.get_renderer()
+    boxes = [text.get_window_extent(renderer) for text in axes.texts]
+    assert len(boxes) == count + 3
+    assert not [pair for pair in combinations(boxes, 2) if pair[0].overlaps(pair[1])]
+
+
+def test_agents_differ_in_colour_and_marker():
+    figure = plan_figure(*build(10, channel=False))
+    handles = figure.legends[0].legend_handles
+    assert len({h.get_color() for h in handles}) == 10
+    assert len({h.get_marker() for h in handles}) == 10
+
+
+def test_files(tmp_path):
+    there, plan = build(2, channel=False)
+    save_plot(there, plan, tmp_path / "plan.png")
+    assert (tmp_path / "plan.png").read_bytes().startswith(b"\x89PNG")
+    save_plot(there, plan, tmp_path / "one.svg")
+    save_plot(there, plan, tmp_path / "two.svg")
+    assert (tmp_path / "one.svg").read_bytes() == (tmp_path / "two.svg").read_bytes()
+    words = " ".join(ElementTree.parse(tmp_path / "one.svg").getroot().itertext())
+    assert all(word in words for word in ("Trajectories", "pillar", "goal", "r2"))
+
+
+def test_errors(tmp_path):
+    there, plan = build(2, channel=False)
+    with pytest.raises(UsageError, match="must end in one of"):
+        save_plot(there, plan, tmp_path / "plan.doc")
+    with pytest.raises(OutputError, match="does not exist"):
+        save_plot(there, plan, tmp_path / "none" / "plan.png")
+    with pytest.raises(UsageError, match="the mission has r1, r2, r3"):
+        save_plot(build(3, channel=False)[0], plan, tmp_path / "plan.png")
+    assert not list(tmp_path.iterdir())
