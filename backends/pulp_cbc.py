@@ -117,7 +117,7 @@ def _problem(model: Model, start: Any) -> tuple[Any, list[Any]]:
         a, b = pointers[i], pointers[i + 1]
         sides = _sides(low, high)
         row = pulp.LpAffineExpression(dict(zip(entries[a:b], values[a:b], strict=True)))
-        if unused and sides:  # PuLP's MPS leaves them out, yet states their bounds, and CBC refuses that
+        if unused and sides:  # PuLP's MPS leaves them out but states their bounds: CBC refuses
             row.update(unused)
             unused = {}
         for sense, side in sides:
