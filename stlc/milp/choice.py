@@ -21,7 +21,7 @@ import numpy as np
 
 from stlc.ir.nodes import Linear, Node, Signal
 from stlc.milp.builder import ModelBuilder
-from stlc.milp.model import Ints
+from stlc.milp.model import Floats, Ints
 
 Terms = tuple[tuple[Signal, float], ...]
 
@@ -40,15 +40,19 @@ class RowBlock:
 
     rows: list[Ints] = field(default_factory=list)
     cols: list[Ints] = field(default_factory=list)
-    values: list[np.ndarray] = field(default_factory=list)
+    values: list[Floats] = field(default_factory=list)
     lower: list[float] = field(default_factory=list)
+    upper: list[float] = field(default_factory=list)
 
-    def add(self, cols: Sequence[int], values: Sequence[float], lower: float) -> None:
-        """One row values @ x[cols] >= lower."""
+    def add(
+        self, cols: Sequence[int], values: Sequence[float], lower: float, upper: float = np.inf
+    ) -> None:
+        """One row lower <= values @ x[cols] <= upper."""
         self.rows.append(np.full(len(cols), len(self.lower)))
         self.cols.append(np.asarray(cols, dtype=np.int64))
         self.values.append(np.asarray(values, dtype=float))
         self.lower.append(lower)
+        self.upper.append(upper)
 
     def flush(self, builder: ModelBuilder, name: str) -> None:
         """Hand the rows over."""
@@ -59,6 +63,6 @@ class RowBlock:
                 np.concatenate(self.cols),
                 np.concatenate(self.values),
                 np.array(self.lower),
-                np.inf,
+                np.array(self.upper),
                 count=len(self.lower),
             )

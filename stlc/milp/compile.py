@@ -13,11 +13,13 @@ from stlc.milp.builder import ModelBuilder
 from stlc.milp.context import Context, Ranges
 from stlc.milp.costs import add_objective
 from stlc.milp.dynamics import add_agents
-from stlc.milp.formula import FormulaEncoder
+from stlc.milp.formula import Encoded, FormulaEncoder
 from stlc.milp.goals import Goal, goals_of, level_of
 from stlc.milp.links import LinkEncoder, LinkTables
 from stlc.milp.model import Floats, Ints, Model, Origin
 from stlc.milp.reach import reach
+from stlc.milp.selectors import Selector
+from stlc.milp.stages import add_cuts, add_hulls, find_stages
 from stlc.mission import Mission
 from stlc.passes import PassStats, Program, run_pipeline
 from stlc.trajectories import Trajectories
@@ -67,6 +69,7 @@ class Compiled:
     ranges: Mapping[str, Ranges]
     robustness: Mapping[str | None, tuple[int, float, float]]
     stats: CompileStats
+    encoded: tuple[Encoded, ...] = ()
 
     def decode(self, x: Floats) -> Trajectories:
         """Trajectories of a point x (n,)."""
@@ -93,12 +96,16 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     add_agents(ctx)
     goals = goals_of(mission, program.requirements, program.ranges, program.link_bounds)
     rho = {goal: _add_goal(ctx, goal) for goal in goals}
-    _add_requirements(ctx, program, goals, rho, tables, options)
+    encoded = _add_requirements(ctx, program, goals, rho, tables, options)
+    if "stages" not in options.disabled_passes:
+        _add_stages(ctx, program, encoded)
     notes = add_objective(ctx, tables, options.link)
     model = ctx.builder.build()
     stats = CompileStats(sizes(model), passes, time.perf_counter() - began, notes)
     robustness = {g.requirement: (rho[g], g.low, g.high) for g in goals}
-    return Compiled(model, mission, ctx.states, ctx.inputs, ctx.ranges, robustness, stats)
+    return Compiled(
+        model, mission, ctx.states, ctx.inputs, ctx.ranges, robustness, stats, encoded
+    )
 
 
 def _add_goal(ctx: Context, goal: Goal) -> int:
@@ -116,11 +123,27 @@ def _add_requirements(
     rho: Mapping[Goal, int],
     tables: LinkTables,
     options: CompileOptions,
-) -> None:
-    encoder = FormulaEncoder(ctx, rho, LinkEncoder(ctx, tables, rho, options.link))
+) -> tuple[Encoded, ...]:
+    encoder = FormulaEncoder(ctx, rho, LinkEncoder(ctx, tables, rho, options.link), Selector(options.stl))
+    found = []
     for requirement in program.requirements:
         ctx.builder.origin = Origin(f"require {requirement.name}", requirement.span)
-        encoder.require(requirement, level_of(requirement, goals))
+        found.append(encoder.require(requirement, level_of(requirement, goals)))
+    return tuple(found)
+
+
+def _add_stages(ctx: Context, program: Program, encoded: tuple[Encoded, ...]) -> None:
+    """Cuts and hulls of consecutive choices; see `stages.py`."""
+    literals = {
+        node: np.array([column for _, column in pairs], np.int64)
+        for one in encoded
+        for node, pairs in one.choices
+        if len(pairs) == len(node.args)
+    }
+    for name, stages in find_stages(ctx.mission, program.requirements, ctx.ranges).items():
+        ctx.builder.origin = Origin(f"stages of {name}")
+        add_cuts(ctx.builder, stages, literals)
+        add_hulls(ctx.builder, ctx.states[name], ctx.ranges[name], stages, literals)
 
 
 def sizes(model: Model) -> dict[str, tuple[int, int, int, int]]:

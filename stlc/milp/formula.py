@@ -24,10 +24,28 @@ from stlc.milp.choice import Alternative, RowBlock, Terms
 from stlc.milp.context import Context
 from stlc.milp.goals import Goal, Level
 from stlc.milp.links import LinkEncoder
+from stlc.milp.model import Ints
+from stlc.milp.selectors import Selector, add_selection
 from stlc.mission import Requirement
 
 _TOP = -1
 _LARGEST_M = 1e6
+_FEW = 4  # so few alternatives are always one-hot
+_TINY = 1e-7  # coefficients below a solver's tolerance only harm
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Encoded:
+    """One requirement's formula and its literals, for reading a run back into the model.
+
+    `choices[or_node]` are (alternative, column) of the exclusive literals made for it (one tuple
+    for each place where it was expanded); `literals` are the nodes with a column of their own.
+    """
+
+    formula: Node
+    level: Level
+    choices: tuple[tuple[Or, tuple[tuple[Node, int], ...]], ...]
+    literals: Mapping[Node, int]
 
 
 @dataclass(slots=True)
@@ -37,19 +55,22 @@ class FormulaEncoder:
     ctx: Context
     rho: Mapping[Goal, int]  # column of each robustness goal
     links: LinkEncoder
+    selector: Selector = Selector.ONE_HOT
     level: Level = field(default_factory=lambda: Level(0.0))
     _owners: dict[Node, frozenset[int]] = field(default_factory=dict)
     _literals: dict[Node, int] = field(default_factory=dict)
     _rows: RowBlock = field(default_factory=RowBlock)
+    _choices: list[tuple[Or, tuple[tuple[Node, int], ...]]] = field(default_factory=list)
 
-    def require(self, requirement: Requirement, level: Level) -> None:
+    def require(self, requirement: Requirement, level: Level) -> Encoded:
         """Assert a requirement's unrolled formula at its level."""
         self.level = level
         self._owners = _owners(requirement.formula)
         self._literals = {}
-        self._rows = RowBlock()
+        self._rows, self._choices = RowBlock(), []
         self._assert(requirement.formula)
         self._rows.flush(self.ctx.builder, f"stl_{requirement.name}")
+        return Encoded(requirement.formula, level, tuple(self._choices), dict(self._literals))
 
     def _assert(self, root: Node) -> None:
         todo = [root]
@@ -76,12 +97,12 @@ class FormulaEncoder:
             return  # one alternative is asserted elsewhere
         private = [a for a in node.args if not self._is_shared(a)]
         shared = [a for a in node.args if self._is_shared(a)]
-        z = self.ctx.builder.binary("z", (len(private),)) if private else np.empty(0, np.int64)
+        z = self._select(len(private), exclusive=not shared)
         cols = [*z, *(self._literal(a) for a in shared)]
         signs = [*np.ones(len(cols)), *-np.ones(len(parents))]
-        self._rows.add([*cols, *parents], signs, 0.0 if parents else 1.0)
-        if not shared:
-            self._rows.add([*cols, *parents], -np.asarray(signs), 0.0 if parents else -1.0)
+        total = 0.0 if parents else 1.0
+        self._rows.add([*cols, *parents], signs, total, np.inf if shared else total)
+        self._choices.append((node, tuple(zip(private, map(int, z), strict=True))))
         gathered = [self._gather(a) for a in private]
         if shared:
             for column, alternative in zip(z, gathered, strict=True):
@@ -90,6 +111,12 @@ class FormulaEncoder:
             atoms = {int(c): list(a.atoms) for c, a in zip(z, gathered, strict=True)}
             self._demand(atoms, parents)
         self._descend(z, gathered, exclusive=not shared)
+
+    def _select(self, size: int, *, exclusive: bool) -> Ints:
+        if size == 0:
+            return np.empty(0, np.int64)
+        style = self.selector if exclusive and size > _FEW else Selector.ONE_HOT
+        return add_selection(self.ctx.builder, "z", size, style)
 
     def _descend(
         self, z: Iterable[int], gathered: Sequence[Alternative], *, exclusive: bool
@@ -191,7 +218,7 @@ class FormulaEncoder:
             self._rows.add(cols, values, base - constants[_TOP])
             return
         demands = {z: base - constant for z, constant in constants.items()}
-        binding = {z: v for z, v in demands.items() if v > slack}
+        binding = {z: v for z, v in demands.items() if v > slack + _TINY}
         if not binding:
             return
         self._check_size(max(v - slack for v in binding.values()), terms)

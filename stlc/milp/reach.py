@@ -214,13 +214,19 @@ def ranges_of(box: Box) -> Ranges:
     """Freeze; intervals that rounding turned over collapse to their middle."""
     x_low, x_high = _ordered(box.x_lower, box.x_upper)
     u_low, u_high = _ordered(box.u_lower, box.u_upper)
-    position = box.agent.dynamics.position
+    position = position_ranges(box.agent.dynamics.position, x_low, x_high)
+    return Ranges(x_low, x_high, u_low, u_high, *position)
+
+
+def position_ranges(
+    position: Floats | None, lower: Floats, upper: Floats
+) -> tuple[Floats, Floats]:
+    """Intervals (T+1, 2) of the position of an agent; zeros for one that is nowhere."""
     if position is None:
-        nowhere = np.zeros((len(x_low), 2))
-        return Ranges(x_low, x_high, u_low, u_high, nowhere, nowhere)
-    ends = [_interval(position, x_low[t], x_high[t]) for t in range(len(x_low))]
-    p_low, p_high = (np.array([e[k] for e in ends]) for k in range(2))
-    return Ranges(x_low, x_high, u_low, u_high, p_low, p_high)
+        nowhere = np.zeros((len(lower), 2))
+        return nowhere, nowhere
+    ends = [_interval(position, low, high) for low, high in zip(lower, upper, strict=True)]
+    return np.array([e[0] for e in ends]), np.array([e[1] for e in ends])
 
 
 def _ordered(lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
@@ -229,8 +235,18 @@ def _ordered(lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
     return np.where(crossed, middle, lower), np.where(crossed, middle, upper)
 
 
-def reach(mission: Mission, musts: Sequence[tuple[Linear, float]] = ()) -> dict[str, Ranges]:
-    """Ranges of all agents, narrowed by predicates that must hold."""
+def reach(
+    mission: Mission,
+    musts: Sequence[tuple[Linear, float]] = (),
+    within: Mapping[str, Ranges] | None = None,
+) -> dict[str, Ranges]:
+    """Ranges of all agents, narrowed by predicates that must hold and by earlier ranges."""
     boxes = {name: start_box(agent, mission) for name, agent in mission.agents.items()}
+    for name, known in (within or {}).items():
+        box = boxes[name]
+        box.x_lower = np.maximum(box.x_lower, known.state_lower)
+        box.x_upper = np.minimum(box.x_upper, known.state_upper)
+        box.u_lower = np.maximum(box.u_lower, known.input_lower)
+        box.u_upper = np.minimum(box.u_upper, known.input_upper)
     propagate(boxes, musts)
     return {name: ranges_of(box) for name, box in boxes.items()}

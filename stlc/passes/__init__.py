@@ -10,7 +10,7 @@ from stlc.errors import UsageError
 from stlc.ir.printer import print_program
 from stlc.ir.rewrite import postorder
 from stlc.ir.verify import Stage, verify
-from stlc.passes import cse, decide, flatten, fold, horizon, nnf, unroll
+from stlc.passes import cse, decide, distribute, flatten, fold, horizon, nnf, stages, unroll
 from stlc.passes.base import Pass, Program
 
 __all__ = ["PIPELINE", "Pass", "PassStats", "Program", "run_pipeline"]
@@ -30,6 +30,9 @@ PIPELINE: tuple[Pass, ...] = (
     _again(fold.PASS, "fold-steps", "unroll"),
     decide.PASS,
     _again(flatten.PASS, "flatten-steps", "unroll"),
+    distribute.PASS,
+    stages.PASS,
+    replace(decide.PASS, name="decide-again", after=("decide", "stages")),
 )
 
 

@@ -50,7 +50,7 @@ def _narrow(program: Program) -> Program:
         for requirement in program.requirements
         for node in _asserted(requirement.formula)
     ]
-    return replace(program, ranges=reach(program.mission, musts))
+    return replace(program, ranges=reach(program.mission, musts, program.ranges))
 
 
 def _asserted(root: Node) -> list[Linear]:

@@ -1,0 +1,275 @@
+"""Reach sets through the alternatives of one agent at consecutive steps.
+
+A *stage* is a disjunction that is asserted at one step over one agent (free space, stepping
+stones): its run takes one alternative of each stage. Interval reach sets are kept for each
+alternative apart,
+
+    S(t, i)  =  box of alternative i at step t, within the ranges,
+    S(t+1, j) := S(t+1, j) with the hull over i of (A S(t, i) + B U + drift),    and backward,
+
+and what is empty is known before solving: alternatives that no run takes, and pairs (i, j) that
+do not follow one another. The encoder turns the pairs into cuts, with z the literals,
+
+    z(t, i) <= sum {z(t+1, j) : j may follow i},     z(t+1, j) <= sum {z(t, i) : j may follow i},
+
+and the sets into x(t) >= sum_i lower(S(t, i)) z(t, i), likewise above.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.ir.nodes import And, Linear, Node, Or, Role
+from stlc.milp.context import Ranges
+from stlc.milp.builder import ModelBuilder
+from stlc.milp.model import Floats, Ints
+from stlc.mission import Agent, Mission, Requirement
+
+Bools = NDArray[np.bool_]
+
+_SLACK = 1e-6
+_SWEEPS = 2
+_GAIN = 1e-3  # of a hull over the ranges, below which it is not worth a coefficient
+_MOST = 64  # alternatives of one stage
+
+
+@dataclass(slots=True, eq=False)
+class Stage:
+    """Alternatives of one agent at one step: lower, upper (k, n); `node` None: no choice."""
+
+    node: Or | None
+    lower: Floats
+    upper: Floats
+
+    @property
+    def alive(self) -> Bools:
+        """Alternatives (k,) whose reach set is not empty."""
+        return np.asarray((self.lower <= self.upper + _SLACK).all(axis=1))
+
+    def finite(self) -> tuple[Floats, Floats]:
+        """Lower and upper with zeros where an alternative is empty."""
+        alive = self.alive[:, None]
+        return np.where(alive, self.lower, 0.0), np.where(alive, self.upper, 0.0)
+
+
+@dataclass(slots=True, eq=False)
+class Stages:
+    """Stages (T+1) of one agent, and follows[t] (k_t, k_{t+1}): j may come after i."""
+
+    agent: Agent
+    stages: list[Stage]
+    follows: list[Bools] = field(default_factory=list)
+
+
+def single_place(node: Node) -> tuple[str, int] | None:
+    """The agent and step that all predicates of a formula speak of, states only."""
+    places: set[tuple[str, int]] = set()
+    todo = [node]
+    while todo:
+        part = todo.pop()
+        match part:
+            case Linear(terms=terms):
+                if any(signal.role is not Role.STATE for signal, _ in terms):
+                    return None
+                places.update((signal.owner, signal.shift) for signal, _ in terms)
+            case And() | Or():
+                todo.extend(part.children)
+            case _:
+                return None
+        if len(places) > 1:
+            return None
+    return places.pop() if places else None
+
+
+def box_of(
+    predicates: Sequence[Linear], margin: float, lower: Floats, upper: Floats
+) -> tuple[Floats, Floats]:
+    """Interval hull (n,) of {x in [lower, upper] : every predicate >= margin}."""
+    low, high = lower.copy(), upper.copy()
+    for predicate in predicates:
+        most = [v * (high if v > 0 else low)[s.index] for s, v in predicate.terms]
+        for (signal, value), own in zip(predicate.terms, most, strict=True):
+            edge = (margin - predicate.constant - (sum(most) - own)) / value
+            if value > 0:
+                low[signal.index] = max(low[signal.index], edge)
+            else:
+                high[signal.index] = min(high[signal.index], edge)
+    return low, high
+
+
+def conjuncts(node: Node) -> list[Linear] | None:
+    """Predicates of a conjunction (or of one predicate); None for anything else."""
+    parts = node.args if isinstance(node, And) else (node,)
+    return [p for p in parts if isinstance(p, Linear)] if _all_linear(parts) else None
+
+
+def _all_linear(parts: Sequence[Node]) -> bool:
+    return all(isinstance(p, Linear) for p in parts)
+
+
+def find_stages(
+    mission: Mission, requirements: Sequence[Requirement], ranges: Mapping[str, Ranges]
+) -> dict[str, Stages]:
+    """Stages of every agent that has any: the widest disjunction at each step."""
+    chosen: dict[tuple[str, int], tuple[Or, float]] = {}
+    for requirement in requirements:
+        for node in _asserted(requirement.formula):
+            place = single_place(node) if _is_stage(node) else None
+            if place is None:
+                continue
+            assert isinstance(node, Or)
+            if place not in chosen or len(node.args) > len(chosen[place][0].args):
+                chosen[place] = (node, requirement.margin)
+    return {
+        name: analyse(agent, ranges[name], _stages(agent, ranges[name], chosen))
+        for name, agent in mission.agents.items()
+        if any(owner == name for owner, _ in chosen)
+    }
+
+
+def _is_stage(node: Node) -> bool:
+    if not isinstance(node, Or) or len(node.args) > _MOST:
+        return False
+    return all(conjuncts(a) is not None for a in node.args)
+
+
+def _asserted(root: Node) -> Sequence[Node]:
+    return root.args if isinstance(root, And) else (root,)
+
+
+def _stages(
+    agent: Agent, ranges: Ranges, chosen: Mapping[tuple[str, int], tuple[Or, float]]
+) -> list[Stage]:
+    found: list[Stage] = []
+    for t, (low, high) in enumerate(zip(ranges.state_lower, ranges.state_upper, strict=True)):
+        if (agent.name, t) not in chosen:
+            found.append(Stage(None, low[None].copy(), high[None].copy()))
+            continue
+        node, margin = chosen[agent.name, t]
+        boxes = [box_of(conjuncts(a) or [], margin, low, high) for a in node.args]
+        found.append(Stage(node, np.array([b[0] for b in boxes]), np.array([b[1] for b in boxes])))
+    return found
+
+
+def analyse(agent: Agent, ranges: Ranges, stages: list[Stage]) -> Stages:
+    """Propagate forward and backward; fills `follows`."""
+    result = Stages(agent, stages)
+    for _ in range(_SWEEPS):
+        result.follows = [_step(agent, ranges, stages, t) for t in range(len(stages) - 1)]
+        for t in reversed(range(len(stages) - 1)):
+            result.follows[t] &= _step_back(agent, ranges, stages, t)
+    return result
+
+
+def _input_interval(agent: Agent, ranges: Ranges, t: int) -> tuple[Floats, Floats]:
+    gain = agent.dynamics.B
+    a, b = gain * ranges.input_lower[t], gain * ranges.input_upper[t]
+    drift = agent.dynamics.drift
+    return np.minimum(a, b).sum(axis=1) + drift, np.maximum(a, b).sum(axis=1) + drift
+
+
+def _step(agent: Agent, ranges: Ranges, stages: Sequence[Stage], t: int) -> Bools:
+    here, there = stages[t], stages[t + 1]
+    plus, minus = np.maximum(agent.dynamics.A, 0), np.minimum(agent.dynamics.A, 0)
+    least, most = _input_interval(agent, ranges, t)
+    below, above = here.finite()
+    low = below @ plus.T + above @ minus.T + least
+    high = above @ plus.T + below @ minus.T + most
+    pair_low = np.maximum(low[:, None, :], there.lower[None])
+    pair_high = np.minimum(high[:, None, :], there.upper[None])
+    may = (pair_low <= pair_high + _SLACK).all(axis=2) & here.alive[:, None] & there.alive[None]
+    there.lower, there.upper = _hull(may, pair_low, pair_high, there, axis=0)
+    return np.asarray(may)
+
+
+def _step_back(agent: Agent, ranges: Ranges, stages: Sequence[Stage], t: int) -> Bools:
+    """x_t from A x_t = x_{t+1} - B u - drift, one row and one variable at a time."""
+    here, there = stages[t], stages[t + 1]
+    A = agent.dynamics.A
+    least, most = _input_interval(agent, ranges, t)
+    (below, above), (next_low, next_high) = here.finite(), there.finite()
+    pair_low = np.repeat(here.lower[:, None, :], len(there.lower), axis=1)
+    pair_high = np.repeat(here.upper[:, None, :], len(there.lower), axis=1)
+    for row, j in zip(*np.nonzero(A), strict=True):
+        plus, minus = np.maximum(A[row], 0).copy(), np.minimum(A[row], 0).copy()
+        plus[j] = minus[j] = 0.0
+        rest_low = below @ plus + above @ minus
+        rest_high = above @ plus + below @ minus
+        a = (next_low[None, :, row] - most[row] - rest_high[:, None]) / A[row, j]
+        b = (next_high[None, :, row] - least[row] - rest_low[:, None]) / A[row, j]
+        pair_low[:, :, j] = np.maximum(pair_low[:, :, j], np.minimum(a, b))
+        pair_high[:, :, j] = np.minimum(pair_high[:, :, j], np.maximum(a, b))
+    may = (pair_low <= pair_high + _SLACK).all(axis=2) & here.alive[:, None] & there.alive[None]
+    here.lower, here.upper = _hull(may, pair_low, pair_high, here, axis=1)
+    return np.asarray(may)
+
+
+def _hull(
+    may: Bools, low: Floats, high: Floats, stage: Stage, axis: int
+) -> tuple[Floats, Floats]:
+    """Hull over the other end of the pairs that may be; empty where there is none."""
+    mask = may[:, :, None]
+    lower = np.where(mask, low, np.inf).min(axis=axis)
+    upper = np.where(mask, high, -np.inf).max(axis=axis)
+    return np.maximum(stage.lower, lower), np.minimum(stage.upper, upper)
+
+
+def add_cuts(builder: ModelBuilder, stages: Stages, literals: Mapping[Node, Ints]) -> None:
+    """Cuts between the literals (k,) of consecutive stages; a stage without literals has none."""
+    for t, follows in enumerate(stages.follows):
+        first, second = (_literals(stages.stages[k], literals) for k in (t, t + 1))
+        if first is None or second is None:
+            continue
+        name = f"follow_{stages.agent.name}_{t}"
+        _add_follow(builder, name, first, second, follows)
+        _add_follow(builder, name, second, first, follows.T)
+
+
+def _literals(stage: Stage, literals: Mapping[Node, Ints]) -> Ints | None:
+    return None if stage.node is None else literals.get(stage.node)
+
+
+def _add_follow(
+    builder: ModelBuilder, name: str, first: Ints, second: Ints, follows: Bools
+) -> None:
+    """sum {second_j : j may follow i} - first_i >= 0, where some j may not."""
+    tight = np.flatnonzero(~follows.all(axis=1))
+    if not len(tight):
+        return
+    rows, cols = np.nonzero(follows[tight])
+    own = np.arange(len(tight))
+    builder.add_rows(
+        name,
+        np.concatenate([rows, own]),
+        np.concatenate([second[cols], first[tight]]),
+        np.concatenate([np.ones(len(rows)), -np.ones(len(own))]),
+        0.0, np.inf, count=len(tight),
+    )  # fmt: skip
+
+
+def add_hulls(
+    builder: ModelBuilder, states: Ints, ranges: Ranges, stages: Stages, literals: Mapping[Node, Ints]
+) -> None:
+    """x(t) >= sum_i lower_i z_i and x(t) <= sum_i upper_i z_i where that says more than ranges."""
+    for t, stage in enumerate(stages.stages):
+        z = _literals(stage, literals)
+        if z is None:
+            continue
+        for sign, ends, limit in (
+            (1.0, stage.lower, ranges.state_lower[t]),
+            (-1.0, -stage.upper, -ranges.state_upper[t]),
+        ):
+            gain = np.where(np.isfinite(ends), ends, limit) - limit
+            gain[gain < _GAIN] = 0.0
+            used = np.flatnonzero(gain.any(axis=0))
+            if not len(used):
+                continue
+            cols = np.column_stack([states[t, used], np.tile(z, (len(used), 1))])
+            values = np.column_stack([np.full(len(used), sign), -gain[:, used].T])
+            builder.add_dense_rows(
+                f"hull_{stages.agent.name}_{t}", cols, values, limit[used], np.inf
+            )

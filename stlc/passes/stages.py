@@ -1,0 +1,74 @@
+"""Drops alternatives of stages that no run can take, and narrows the ranges to what is left.
+
+    A or B  =  B     where interval reach sets through the stages (`milp/stages.py`) show that no
+                     run within the ranges takes alternative A at its step
+
+Needs: decide. Guarantees: the runs with robustness >= margin are the same, and on them so is the
+best alternative that can be taken (robustness below the margin may change).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from stlc.ir.nodes import And, Const, Node, Or
+from stlc.ir.verify import Stage
+from stlc.milp.context import Ranges
+from stlc.milp.reach import position_ranges
+from stlc.milp.stages import Stages, find_stages
+from stlc.milp.unreachable import unreachable
+from stlc.passes.base import Pass, Program
+from stlc.passes.fold import fold
+
+
+def run(program: Program) -> Program:
+    """Prune every requirement."""
+    found = find_stages(program.mission, program.requirements, program.ranges)
+    pruned: dict[Node, Node] = {}
+    for stages in found.values():
+        pruned.update(_pruned(stages))
+    formulas = []
+    for requirement in program.requirements:
+        formula = _replaced(requirement.formula, pruned)
+        if formula == Const(False):
+            raise unreachable(program.mission, requirement.name)
+        formulas.append(formula)
+    ranges = dict(program.ranges)
+    for name, stages in found.items():
+        ranges[name] = _narrowed(stages, ranges[name])
+    return replace(program.with_formulas(formulas), ranges=ranges)
+
+
+def _pruned(stages: Stages) -> dict[Node, Node]:
+    found: dict[Node, Node] = {}
+    for stage in stages.stages:
+        if stage.node is None or stage.alive.all():
+            continue
+        kept = tuple(a for a, alive in zip(stage.node.args, stage.alive, strict=True) if alive)
+        found[stage.node] = fold(Or(kept, span=stage.node.span))
+    return found
+
+
+def _replaced(formula: Node, pruned: dict[Node, Node]) -> Node:
+    if not isinstance(formula, And):
+        return pruned.get(formula, formula)
+    return fold(And(tuple(pruned.get(a, a) for a in formula.args), span=formula.span))
+
+
+def _narrowed(stages: Stages, ranges: Ranges) -> Ranges:
+    low = np.array([_least(s.lower, s.alive) for s in stages.stages]) - 1e-9
+    high = np.array([-_least(-s.upper, s.alive) for s in stages.stages]) + 1e-9
+    low, high = np.maximum(ranges.state_lower, low), np.minimum(ranges.state_upper, high)
+    crossed = low > high
+    low, high = np.where(crossed, ranges.state_lower, low), np.where(crossed, ranges.state_upper, high)
+    position = position_ranges(stages.agent.dynamics.position, low, high)
+    return Ranges(low, high, ranges.input_lower, ranges.input_upper, *position)
+
+
+def _least(values: np.ndarray, alive: np.ndarray) -> np.ndarray:
+    return np.asarray(np.where(alive[:, None], values, np.inf).min(axis=0))
+
+
+PASS = Pass("stages", run, after=("decide",), stage=Stage.STEPS, preserves="optima")
