@@ -33,6 +33,7 @@ _NAME_BEFORE: Final = frozenset(
     | {"COMMA", "DOT", "DOTS", "RPAR", "RSQB", "LBRACE", "RBRACE", "SEP"}
     | {"AND", "OR", "IMPLIES", "IFF"}
 )
+_COMPARED: Final = frozenset({"LE", "LT", "GE", "GT", "EQEQ", "NE"})
 _NOTHING: Final = Token("$END", "", 0, 0)
 
 
@@ -179,7 +180,7 @@ class _Context:
             self.key_due = False
             self._emit("KEY", token, operand=False)
             return
-        if self._last == "DOT":
+        if self._last == "DOT" or self._last in QUANTIFIERS:
             self._emit(NAME, token, operand=True)
             return
         in_list = bool(self.frames) and self.frames[-1] == "["
@@ -211,7 +212,9 @@ class _Context:
     def _shape_word(self, token: Token) -> bool:
         text, after = token.text, self._peek()
         opener = {"box": "[", "polygon": "(", "moving": "{"}
-        due = self._last in ("EQ", "PLUS", "COLON", "ST_WORKSPACE")
+        due = self._last in ("EQ", "PLUS", "COLON", "ST_WORKSPACE") and (
+            after.text in ("", "+", ";", "}", "inflate") and text not in ("true", "false")
+        )
         if not self.operand and after.text == opener.get(text):
             self._emit(text.upper(), token, operand=False)
         elif not self.operand and text == "geojson" and after.kind == STRING:
@@ -242,7 +245,7 @@ class _Context:
 
     def _is_operator(self, kind: str, token: Token) -> bool:
         if kind in ("TRUE", "FALSE"):
-            return not self.operand
+            return True
         if kind in QUANTIFIERS:
             return not self.operand and self._quantifies(kind)
         if self.operand:
@@ -259,15 +262,17 @@ class _Context:
             return self._after_bracket(1).text == "in"
         if kind == "SUM":
             return first.kind == NAME and second.text == "in"
-        return first.text == "(" or (first.kind == NAME and first.text != "in")
+        return first.text == "(" or (first.kind == NAME and (first.text != "in" or second.text == "in"))
 
     def _takes_operand(self, token: Token) -> bool:
         """Whether a unary operator's word is the operator here, and not a name."""
         after = self._peek()
         long = len(token.text) > 2
+        if self._in_property and not long and self._line_ends():
+            return False
         if after.text == "[":
             return long or self._is_interval()
-        if after.text == "|":
+        if after.text in ("|", "||"):
             return long or self._hugs(after)
         if after.text == "(" and after.start == token.end and self._several_arguments():
             return False
@@ -276,6 +281,10 @@ class _Context:
         if long and (after.kind == "$END" or word_terminals().get(after.text) in _CONNECTIVES):
             return word_terminals().get(self._peek(2).text) not in BINARY
         return self._begins_operand(after, self._peek(2))
+
+    def _line_ends(self) -> bool:
+        beyond = self.tokens[self.at + 1 : self.at + 2]
+        return not beyond or beyond[0].kind == NEWLINE
 
     def _several_arguments(self) -> bool:
         """Whether the parentheses that follow hold nothing, or values with commas between them."""
@@ -309,10 +318,17 @@ class _Context:
             return symbol_terminals()[_plain(first.text)] not in _NAME_BEFORE or first.text == "|"
         if first.kind != NAME:
             return True
-        if word_terminals().get(first.text) not in BINARY:
+        word = word_terminals().get(first.text)
+        if word not in BINARY:
             return True
         # A binary word as first word of an operand is a name: `always in > 3`.
         kind = symbol_terminals().get(second.text, "")
+        if word == "SWEPT":
+            return kind in _COMPARED
+        if len(first.text) == 1 and second.kind == "$END":
+            return True
+        if len(second.text) > 1 and word_terminals().get(second.text) in BINARY:
+            return True
         return kind in _NAME_BEFORE - {"LBRACE"} and second.text != "|"
 
     def _after_bracket(self, ahead: int) -> Token:

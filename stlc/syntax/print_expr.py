@@ -55,7 +55,7 @@ def show(node: ast.Expr) -> str:
         case ast.Name():
             return _name(node.text)
         case ast.Attribute():
-            return f"{_base(node.base)}.{node.attr.text}"
+            return f"{_attribute_base(node.base)}.{node.attr.text}"
         case ast.Index():
             return f"{_base(node.base)}[{_list(node.indices)}]"
         case ast.Call():
@@ -89,8 +89,8 @@ def _show_operator(node: ast.Expr) -> str:
         case ast.Not():
             return f"not {_at(node.arg, _UNARY)}"
         case ast.Temporal():
-            arg = _at(node.arg, _UNARY)
-            return f"{node.operator}{_interval(node.interval)} {arg}"
+            operator = node.operator + _interval(node.interval)
+            return _beside(operator, _at(node.arg, _UNARY))
         case ast.TemporalPair():
             return _pair(node)
         case ast.Logical():
@@ -109,7 +109,7 @@ def quoted(node: ast.String) -> str:
 
 def _name(text: str) -> str:
     """A name; one that is also an operator's word is kept apart by parentheses."""
-    return f"({text})" if len(text) > 2 and text in word_terminals() else text
+    return f"({text})" if len(text) > 1 and text in word_terminals() else text
 
 
 def _list(items: tuple[ast.Expr, ...]) -> str:
@@ -123,8 +123,14 @@ def _at(node: ast.Expr, least: int) -> str:
 
 
 def _base(node: ast.Expr) -> str:
-    named = isinstance(node, ast.Name | ast.Attribute | ast.Index | ast.Call)
+    if isinstance(node, ast.Name):
+        return f"({node.text})" if node.text in word_terminals() else node.text
+    named = isinstance(node, ast.Attribute | ast.Index | ast.Call)
     return show(node) if named else f"({show(node)})"
+
+
+def _attribute_base(node: ast.Expr) -> str:
+    return show(node) if isinstance(node, ast.Name) else _base(node)
 
 
 def _arithmetic(node: ast.Arithmetic) -> str:
@@ -150,6 +156,11 @@ def _interval(interval: ast.Interval | None) -> str:
     return f"[{show(interval.start)}, {end}]"
 
 
+def _beside(operator: str, arg: str) -> str:
+    """A temporal operator and what it applies to; a list must not look like its interval."""
+    return f"{operator} ({arg})" if arg[0] == "[" and operator[-1] != "]" else f"{operator} {arg}"
+
+
 def open_right(node: ast.Expr) -> bool:
     """Whether the text ends with a quantifier's body, which would swallow what follows."""
     match node:
@@ -168,7 +179,8 @@ def open_right(node: ast.Expr) -> bool:
 def _pair(node: ast.TemporalPair) -> str:
     apart = isinstance(node.left, ast.Not | ast.Temporal) or open_right(node.left)
     left = f"({show(node.left)})" if apart else _at(node.left, _UNARY)
-    return f"{left} {node.operator}{_interval(node.interval)} {_at(node.right, _UNARY)}"
+    operator = node.operator + _interval(node.interval)
+    return f"{left} {_beside(operator, _at(node.right, _UNARY))}"
 
 
 def logical_parts(node: ast.Logical) -> list[str]:
@@ -206,6 +218,10 @@ def _quantifier(node: ast.Quantifier) -> str:
 _ENDS_IN_NUMBER: Final = re.compile(r"(?:^|[^\w.])(?:\d[\d.]*|\.\d+)(?:[eE][+-]?\d+)?$")
 
 
+_FIRST_WORD: Final = re.compile(r"^[^\W\d]\w*")
+_LAST_WORD: Final = re.compile(r"[^\W\d]\w*$")
+
+
 def show_property(item: ast.Property) -> str:
     """One property of a block."""
     key = item.key.text
@@ -237,10 +253,10 @@ def _starts_with(first: ast.Expr, key: str) -> bool:
 
 
 def _word(arg: ast.Expr) -> str:
-    """A value among the words of a property."""
-    if isinstance(arg, ast.Name) and (arg.text == "x" or arg.text in word_terminals()):
-        return f"({arg.text})"
-    return _at(arg, _COMPARE)
+    """A value among the words of a property, apart if it begins or ends like an operator."""
+    text = _at(arg, _COMPARE)
+    edges = {*_FIRST_WORD.findall(text), *_LAST_WORD.findall(text)} - {"true", "false"}
+    return f"({text})" if text == "x" or edges & word_terminals().keys() else text
 
 
 def _append(text: str, before: ast.Expr, arg: ast.Expr) -> str:

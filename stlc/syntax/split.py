@@ -105,7 +105,7 @@ class _Splitter:
         # Within braces a keyword is mostly a property: a statement stands at the left margin.
         start = self.tokens[position].start
         at_margin = start == 0 or self.source.text[start - 1] == "\n"
-        return at_margin and after[0].kind == NAME and after[1].text in (*"={(:[", "at")
+        return at_margin and after[0].kind == NAME and after[1].text in (*"={:", "at")
 
     def _after(self, position: int) -> tuple[Token, Token]:
         """The two tokens after this one."""
