@@ -315,7 +315,8 @@ class _Context:
         if first.kind == "$END":
             return False
         if first.kind == SYMBOL:
-            return symbol_terminals()[_plain(first.text)] not in _NAME_BEFORE or first.text == "|"
+            kind = symbol_terminals()[_plain(first.text)]
+            return kind not in _NAME_BEFORE or first.text == "|"
         if first.kind != NAME:
             return True
         word = word_terminals().get(first.text)

@@ -17,8 +17,11 @@ from stlc.syntax.print_expr import show, show_property, show_shape
 from stlc.syntax.printer import format_file
 
 HERE = Span(Source("", ""), 0, 0)
-NAMES = """a goal r1 G F U R X s H m x box step in ev always until and not sum margin require swept
-end hole on next or""".split()
+NAMES = [
+    *("a", "goal", "r1", "s", "m", "x", "box", "step", "margin", "require", "end", "hole", "on"),
+    *("G", "F", "U", "R", "X", "H", "ev", "in", "or"),
+    *("always", "until", "and", "not", "sum", "swept", "next"),
+]
 
 
 def ident(text: str) -> ast.Ident:
@@ -69,7 +72,7 @@ class Trees:
         self.budget -= 1
         if self.budget <= 0:
             return self.atom()
-        choices = [self.atom, self.value, self.arithmetic, self.predicate, self.formula, self.formula]
+        choices = [self.atom, self.value, self.arithmetic, self.predicate, *[self.formula] * 2]
         node: ast.Expr = self.random.choice(choices)()
         return node
 
