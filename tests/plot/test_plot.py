@@ -111,7 +111,7 @@ def test_files(tmp_path):
     save_plot(there, plan, tmp_path / "two.svg")
     assert (tmp_path / "one.svg").read_bytes() == (tmp_path / "two.svg").read_bytes()
     words = " ".join(ElementTree.parse(tmp_path / "one.svg").getroot().itertext())
-    assert all(word in words for word in ("Trajectories", "pillar", "goal", "r2"))
+    assert all(word in words for word in ("Trajectories", "Velocity", "clearr1", "r2"))
 
 
 def test_errors(tmp_path):
