@@ -18,7 +18,7 @@ from stlc.milp.goals import Goal, goals_of, level_of
 from stlc.milp.links import LinkEncoder, LinkTables
 from stlc.milp.model import Floats, Ints, Model, Origin
 from stlc.milp.reach import reach
-from stlc.milp.selectors import Selector
+from stlc.milp.selectors import selector_named
 from stlc.milp.stages import add_cuts, add_hulls, find_stages
 from stlc.mission import Mission
 from stlc.passes import PassStats, Program, run_pipeline
@@ -103,9 +103,7 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     model = ctx.builder.build()
     stats = CompileStats(sizes(model), passes, time.perf_counter() - began, notes)
     robustness = {g.requirement: (rho[g], g.low, g.high) for g in goals}
-    return Compiled(
-        model, mission, ctx.states, ctx.inputs, ctx.ranges, robustness, stats, encoded
-    )
+    return Compiled(model, mission, ctx.states, ctx.inputs, ctx.ranges, robustness, stats, encoded)
 
 
 def _add_goal(ctx: Context, goal: Goal) -> int:
@@ -124,7 +122,9 @@ def _add_requirements(
     tables: LinkTables,
     options: CompileOptions,
 ) -> tuple[Encoded, ...]:
-    encoder = FormulaEncoder(ctx, rho, LinkEncoder(ctx, tables, rho, options.link), Selector(options.stl))
+    encoder = FormulaEncoder(
+        ctx, rho, LinkEncoder(ctx, tables, rho, options.link), selector_named(options.stl)
+    )
     found = []
     for requirement in program.requirements:
         ctx.builder.origin = Origin(f"require {requirement.name}", requirement.span)

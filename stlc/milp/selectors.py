@@ -16,6 +16,7 @@ from enum import Enum
 
 import numpy as np
 
+from stlc.errors import UsageError
 from stlc.milp.builder import ModelBuilder
 from stlc.milp.model import Ints
 
@@ -26,6 +27,18 @@ class Selector(Enum):
     ONE_HOT = "onehot"
     UNARY = "unary"
     LOG = "log"
+
+
+def selector_named(name: str) -> Selector:
+    """The selector of that name; `auto` is one-hot. UsageError for an unknown one."""
+    if name == "auto":
+        return Selector.ONE_HOT
+    known = {s.value: s for s in Selector}
+    if name not in known:
+        raise UsageError(
+            f"no formula encoding is called '{name}'; there are: auto, {', '.join(known)}"
+        )
+    return known[name]
 
 
 def add_selection(builder: ModelBuilder, name: str, size: int, selector: Selector) -> Ints:
