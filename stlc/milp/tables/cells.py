@@ -19,11 +19,12 @@ gray, boxes       k columns and B(k) binaries; rows 5 + B(k)
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from stlc.milp.builder import ModelBuilder
 from stlc.milp.context import Context
 from stlc.milp.model import Floats, Ints
 from stlc.milp.tables.boxes import join_boxes
@@ -86,18 +87,30 @@ def _marginals(ctx: Context, place: Place, kind: Kind) -> tuple[Group, ...]:
         if region.unit:
             return _axis_groups(region, [of_ordered(a) for a in axes])
         return (Group(everything, of_columns(_box_weights(ctx, place))),)
-    make = one_hot if kind is Kind.ONE_HOT else gray
-    if kind is Kind.ONE_HOT or not region.unit:
-        cells = make(ctx.builder, place.name(f"cell_{kind.value[:4].strip('-')}"), len(everything))
-        for axis in range(2):
-            _pin(ctx, place, axis, cells, region.low[:, axis], region.high[:, axis])
-        return (Group(everything, cells),)
-    axes_gray = []
-    for axis, size in enumerate(region.shape):
-        simplex = make(ctx.builder, place.name(f"{'xy'[axis]}_gray"), size)
-        _pin(ctx, place, axis, simplex, region.edges[axis][:-1], region.edges[axis][1:])
-        axes_gray.append(simplex)
-    return _axis_groups(region, axes_gray)
+    if kind is Kind.ONE_HOT:
+        return (Group(everything, _coded_cells(ctx, place, one_hot, "cell")),)
+    if not region.unit:
+        return (Group(everything, _coded_cells(ctx, place, gray, "cell_gray")),)
+    return _axis_groups(region, [_gray_axis(ctx, place, axis) for axis in range(2)])
+
+
+def _coded_cells(
+    ctx: Context, place: Place, make: Callable[[ModelBuilder, str, int], Simplex], name: str
+) -> Simplex:
+    """Indicators of the cells themselves, tied to the position."""
+    region = place.reach(ctx)
+    cells = make(ctx.builder, place.name(name), len(region.cells))
+    for axis in range(2):
+        _pin(ctx, place, axis, cells, region.low[:, axis], region.high[:, axis])
+    return cells
+
+
+def _gray_axis(ctx: Context, place: Place, axis: int) -> Simplex:
+    """Gray-coded intervals along one axis, tied to the position."""
+    edges = place.reach(ctx).edges[axis]
+    simplex = gray(ctx.builder, place.name(f"{'xy'[axis]}_gray"), len(edges) - 1)
+    _pin(ctx, place, axis, simplex, edges[:-1], edges[1:])
+    return simplex
 
 
 def _axis_groups(region: Reach, simplices: Sequence[Simplex]) -> tuple[Group, ...]:
