@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 FORMATS = ("png", "svg", "pdf")
 
-__all__ = ["FORMATS", "plan_figure", "save_plot"]
+__all__ = ["FORMATS", "plan_figure", "plot_plan"]
 
 
 def plan_figure(mission: Mission, plan: Plan) -> Figure:
@@ -27,7 +27,7 @@ def plan_figure(mission: Mission, plan: Plan) -> Figure:
     return build(mission, plan)
 
 
-def save_plot(mission: Mission, plan: Plan, path: str | os.PathLike[str], dpi: int = 130) -> None:
+def plot_plan(mission: Mission, plan: Plan, path: str | os.PathLike[str], dpi: int = 130) -> None:
     """Draw a plan into a PNG, SVG or PDF file, by the file's ending.
 
     Raises UsageError for another ending or a plan that doesn't fit the mission, OutputError when

@@ -27,7 +27,7 @@ from stlc.sema.quantifiers import assignments, bound_with
 from stlc.sema.report import Mistake, Reported
 from stlc.sema.scalars import absolute, add
 from stlc.sema.scope import Scope, as_scalar
-from stlc.sema.swept import sweep
+from stlc.sema.swept import separation_claim, sweep
 from stlc.sema.unit_errors import LevelAgainstRatio
 from stlc.sema.values import Chance, Env, Items, Place, Radio, Scalar, Separation, Value
 from stlc.sema.warnings import EmptyInequality
@@ -47,7 +47,9 @@ def formula(expr: ast.Expr, env: Env, scope: Scope) -> Node:
         case ast.Swept():
             if not env.positive:
                 raise Mistake(NotNegatable(span=expr.span))
-            return replace(sweep(scope.formula(expr.arg, env), scope, expr.span), span=expr.span)
+            inner = scope.formula(expr.arg, env)
+            claim = separation_claim(inner, scope)
+            return replace(sweep(inner, scope, expr.span), span=expr.span, swept=claim)
         case ast.Not():
             return Not(scope.formula(expr.arg, flipped(env)), span=expr.span)
         case ast.Logical():

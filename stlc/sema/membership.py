@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from stlc.ir.nodes import And, Node, Or, Timed
+from stlc.ir.nodes import And, Motion, Node, Or, Swept, Timed
 from stlc.mission import Polytope
 from stlc.sema.compare import at_least_zero
 from stlc.sema.members import point
@@ -15,7 +15,7 @@ from stlc.sema.scalars import add, scale
 from stlc.sema.scope import Scope, as_scalar
 from stlc.sema.swept import sweep
 from stlc.sema.units import METRE
-from stlc.sema.values import Env, Items, Place, Scalar, Value, describe
+from stlc.sema.values import Env, Items, Place, Radio, Scalar, Value, describe
 from stlc.source import Span
 from stlc.syntax import ast
 
@@ -59,7 +59,17 @@ def _against(subject: Value, place: Place, expr: ast.Membership, scope: Scope) -
     join = Or if expr.relation == "in" else And
     cases = tuple(_pieces(frame, relate, join, expr.span) for frame in place.frames)
     node = cases[0] if len(cases) == 1 else Timed(cases, span=expr.span)
-    return sweep(node, scope, expr.span) if expr.swept else node
+    if not expr.swept:
+        return node
+    return replace(sweep(node, scope, expr.span), swept=_claim(subject, place, expr))
+
+
+def _claim(subject: Value, place: Place, expr: ast.Membership) -> Swept | None:
+    """What the condition says of an agent's motion, for the verifier; None for other subjects."""
+    if not isinstance(subject, Radio):
+        return None
+    motion = Motion.INSIDE if expr.relation == "in" else Motion.OUTSIDE
+    return Swept(motion, subject.name, place=place.shape.name)
 
 
 def _pieces(

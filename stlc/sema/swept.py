@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from stlc.ir.nodes import And, Const, Linear, Node, Or, Role, Signal, Timed
+from stlc.ir.nodes import And, Const, Linear, Motion, Node, Or, Role, Signal, Swept, Timed
 from stlc.mission import Agent, Dynamics
 from stlc.sema.report import Mistake
 from stlc.sema.scope import Scope
@@ -44,6 +44,48 @@ def sweep_linear(node: Linear, scope: Scope, span: Span) -> Node:
     points = tuple(_at(node, stage, scope) for stage in stages)
     unique = tuple(dict.fromkeys(points))
     return unique[0] if len(unique) == 1 else And(unique, span=node.span)
+
+
+def separation_claim(node: Node, scope: Scope) -> Swept | None:
+    """What a separation says of the motion, read off its four half-planes; None for the rest."""
+    if not isinstance(node, Or) or len(node.args) != 4:
+        return None
+    gaps = [_gap(leaf, scope) for leaf in node.args]
+    found = {(gap[2], gap[3]): gap for gap in gaps if gap is not None}
+    pairs = {gap[:2] for gap in found.values()}
+    if len(found) != 4 or len(pairs) != 1:
+        return None
+    x, y = ([found[axis, sign][4] for sign in (1.0, -1.0)] for axis in (0, 1))
+    if x[0] != x[1] or y[0] != y[1]:
+        return None
+    ((agent, other),) = pairs
+    return Swept(Motion.SEPARATION, agent, other=other, distances=(x[0], y[0]))
+
+
+def _gap(leaf: Node, scope: Scope) -> tuple[str, str, int, float, float] | None:
+    """(agent, other, axis, sign, distance) of sign * (p_agent - p_other) >= distance."""
+    if not isinstance(leaf, Linear) or len(leaf.terms) != 2:
+        return None
+    (one, sign), (two, opposite) = leaf.terms
+    axes = [_axis(signal, scope) for signal in (one, two)]
+    if axes[0] is None or axes[0] != axes[1] or one.owner == two.owner:
+        return None
+    if abs(sign) != 1.0 or opposite != -sign:
+        return None
+    return one.owner, two.owner, axes[0], sign, -leaf.constant
+
+
+def _axis(signal: Signal, scope: Scope) -> int | None:
+    """0 or 1 when the signal is a coordinate of its agent's position now."""
+    agent = scope.agents.get(signal.owner)
+    if agent is None or agent.dynamics.position is None:
+        return None
+    if signal.role is not Role.STATE or signal.shift:
+        return None
+    for axis, row in enumerate(agent.dynamics.position):
+        if row[signal.index] == 1.0 and abs(row).sum() == 1.0:
+            return axis
+    return None
 
 
 def _at(node: Linear, stage: int, scope: Scope) -> Linear:

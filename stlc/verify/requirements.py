@@ -73,9 +73,16 @@ class SweptOverride:
         self._motion = motion
 
     def __call__(self, node: Node) -> Array | None:
-        if node.swept is None:
+        swept = node.swept
+        if swept is None or not self._known(swept):
             return None
-        return self._clearance(node.swept)[:-1]
+        return self._clearance(swept)[:-1]
+
+    def _known(self, swept: Swept) -> bool:
+        places = self._mission.obstacles.keys() | self._mission.regions.keys()
+        return {swept.agent, swept.other or swept.agent} <= self._motion.keys() and (
+            swept.place is None or swept.place in places
+        )
 
     def _clearance(self, swept: Swept) -> Array:
         path = self._motion[swept.agent]

@@ -11,7 +11,7 @@ from stlc.errors import OutputError, UsageError
 from stlc.ir.nodes import Always, Eventually, Link, Quantity, Relation
 from stlc.mission import Bound, Channel, Region, Requirement, Station
 from stlc.plan import make_plan
-from stlc.plot import plan_figure, save_plot
+from stlc.plot import plan_figure, plot_plan
 from stlc.radio.gp import ChannelModel
 from stlc.radio.links import LinkBudget, Modulation
 from stlc.radio.partition import uniform_grid
@@ -105,10 +105,10 @@ def test_agents_differ_in_colour_and_marker():
 
 def test_files(tmp_path):
     there, plan = build(2, channel=False)
-    save_plot(there, plan, tmp_path / "plan.png")
+    plot_plan(there, plan, tmp_path / "plan.png")
     assert (tmp_path / "plan.png").read_bytes().startswith(b"\x89PNG")
-    save_plot(there, plan, tmp_path / "one.svg")
-    save_plot(there, plan, tmp_path / "two.svg")
+    plot_plan(there, plan, tmp_path / "one.svg")
+    plot_plan(there, plan, tmp_path / "two.svg")
     assert (tmp_path / "one.svg").read_bytes() == (tmp_path / "two.svg").read_bytes()
     words = " ".join(ElementTree.parse(tmp_path / "one.svg").getroot().itertext())
     assert all(word in words for word in ("Trajectories", "Velocity", "clearr1", "r2"))
@@ -117,9 +117,9 @@ def test_files(tmp_path):
 def test_errors(tmp_path):
     there, plan = build(2, channel=False)
     with pytest.raises(UsageError, match="must end in one of"):
-        save_plot(there, plan, tmp_path / "plan.doc")
+        plot_plan(there, plan, tmp_path / "plan.doc")
     with pytest.raises(OutputError, match="does not exist"):
-        save_plot(there, plan, tmp_path / "none" / "plan.png")
+        plot_plan(there, plan, tmp_path / "none" / "plan.png")
     with pytest.raises(UsageError, match="the mission has r1, r2, r3"):
-        save_plot(build(3, channel=False)[0], plan, tmp_path / "plan.png")
+        plot_plan(build(3, channel=False)[0], plan, tmp_path / "plan.png")
     assert not list(tmp_path.iterdir())
