@@ -1,98 +1,269 @@
-"""A first plan before branch and bound: alternating between a run and its best alternatives.
+"""A first plan before branch and bound: a short depth-first search over alternatives, one warm LP
+a node, at the static upper bound of the robustness.
 
-With every literal fixed the model is an LP. Its robustness column is held at its static upper bound
-and the rows of the requirements are made elastic,
+Where a mission maximises robustness, its static bound is very often attained: a run that reaches
+it is optimal, and no dual work is needed. The search holds rho at that bound and decides which
+alternative each disjunction takes,
 
-    minimise the sum of violations   over runs, the chosen alternatives given,      (one LP)
-    choose the most robust alternatives   at that run,                              (one evaluation)
+    disjunctions that range over time first, the widest first; the alternative that the LP likes,
+    every alternative that conflicts with a decision (`conflicts.py`) is ruled out at once,
+    backtracking in order, restarts from other LP vertices (random costs) with growing limits.
 
-in turn; neither step can make the sum larger. Zero proves the plan optimal for the robustness;
-otherwise the chosen alternatives give one more LP with the real objective, and a feasible point of
-it is the MIP start. (Coordinate descent on the bilinear form of the disjunctions; feasibility pump
-of Fischetti, Glover and Lodi, 2005, with the formula's own rounding.)
+It gives up after a fixed number of LPs, so it is repeatable. A point found with all literals
+integral is feasible for the whole model.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stlc.ir.nodes import And, Const, Linear, Node, Or, Role
-from stlc.ir.rewrite import postorder
-from stlc.milp.compile import Compiled
-from stlc.milp.formula import Encoded
+from stlc.milp.conflicts import demands_of, find_conflicts
 from stlc.milp.model import Floats, Ints, Model
 
-_ROUNDS = 30
-_ZERO = 1e-7
+if TYPE_CHECKING:
+    from stlc.milp.compile import Compiled
+
+_FIRST_LIMIT = 40  # LPs before the first restart
+_GROWTH = 1.25  # of that limit at each restart
+_INTEGRAL = 1e-6
+_NONE = np.empty(0, np.int64)
 
 
-def find_start(compiled: Compiled) -> Floats | None:
-    """A feasible point (n,) of the model, or None.
+@dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """A feasible point x (n,), its objective, and whether a static bound proves it optimal."""
 
-    None too where integer columns other than the formulas' literals decide (links, integer
-    inputs), or where nothing maximises robustness.
+    x: Floats
+    objective: float
+    proven: bool
+    lps: int
+
+
+def find_start(compiled: Compiled, most_lps: int = 400, seed: int = 0) -> Start | None:
+    """A start, or None where none was found within `most_lps` linear programs.
+
+    Only for missions that maximise the robustness of all requirements, where every integer column
+    belongs to a formula.
     """
-    search = _Search.of(compiled)
-    return None if search is None else search.run()
+    column = compiled.robustness.get(None)
+    if column is None or len(compiled.robustness) != 1 or not _covers(compiled):
+        return None
+    x, lps = _Search.of(compiled, column[0], column[2], seed).run(most_lps)
+    if x is None:
+        return None
+    objective = compiled.model.objective(x)
+    best = _static_bound(compiled.model)
+    return Start(x, objective, objective <= best + 1e-6 * max(1.0, abs(best)), lps)
+
+
+def _static_bound(model: Model) -> float:
+    used = np.flatnonzero(model.c)
+    ends = np.minimum(
+        model.c[used] * model.col_lower[used], model.c[used] * model.col_upper[used]
+    )
+    return float(ends.sum()) + model.offset
+
+
+def _covers(compiled: Compiled) -> bool:
+    known = {c for e in compiled.encoded for _, alts in e.choices for _, c in alts}
+    known.update(c for e in compiled.encoded for c in e.literals.values())
+    integers = np.flatnonzero(compiled.model.integrality)
+    derived = [b for b in compiled.model.col_blocks if b.name.startswith(("z_until", "z_bit"))]
+    known.update(c for b in derived for c in range(b.start, b.start + b.size))
+    return all(int(c) in known for c in integers)
 
 
 @dataclass(slots=True, eq=False)
-class _Judge:
-    """Evaluates one requirement's formula at a point."""
+class _Decision:
+    """A literal that was set; the alternatives that this ruled out; `other`: it is now 0."""
 
-    encoded: Encoded
-    order: list[Node]
-    place: dict[Node, int]
-    atoms: list[tuple[int, Ints, Floats, float]]
+    column: int
+    ruled_out: Ints
+    other: bool = False
+
+
+@dataclass(slots=True, eq=False)
+class _Search:
+    lp: Any  # highspy.Highs
+    integers: Ints
+    groups: Sequence[Ints]
+    group_of: Ints  # (n,) group of a literal, -1 for other columns
+    asserted: np.ndarray  # (groups,) exactly one alternative must be taken
+    over_time: np.ndarray  # (groups,) alternatives at different steps
+    conflicts: dict[int, Ints]
+    upper: Floats
+    lower: Floats
+    rng: np.random.Generator
+    lps: int = 0
+    spent: int = 0
+    restarts: int = 0
+    trail: list[_Decision] = field(default_factory=list)
 
     @staticmethod
-    def of(encoded: Encoded, compiled: Compiled) -> _Judge:
-        """Compile the formula into index lists."""
-        order = list(postorder([encoded.formula]))
-        place = {node: k for k, node in enumerate(order)}
-        atoms = [
-            (place[node], *_row(node, compiled)) for node in order if isinstance(node, Linear)
-        ]
-        return _Judge(encoded, order, place, atoms)
+    def of(compiled: Compiled, rho: int, target: float, seed: int) -> _Search:
+        """The LP with rho at its target, and what is known of the alternatives."""
+        model = compiled.model
+        groups, asserted, demands = [], [], []
+        for one in compiled.encoded:
+            top = set(one.formula.children) | {one.formula}
+            for node, pairs in one.choices:
+                cols = np.array([column for _, column in pairs], np.int64)
+                if len(cols) > 1:
+                    groups.append(cols)
+                    asserted.append(node in top and len(cols) == len(node.args))
+                for part, column in pairs:
+                    demands += demands_of(
+                        column, part, one.level.margin, compiled.mission, compiled.ranges
+                    )
+        dead, conflicts = find_conflicts(compiled.mission, compiled.ranges, demands)
+        steps = {d.column: d.steps[0] for d in demands}
+        over_time = [len({steps.get(int(z), -1) for z in g}) > 1 for g in groups]
+        group_of = np.full(model.columns, -1)
+        for k, group in enumerate(groups):
+            group_of[group] = k
+        search = _Search(
+            _load(model, rho, target), np.flatnonzero(model.integrality), groups, group_of,
+            np.array(asserted, bool), np.array(over_time, bool), conflicts,
+            model.col_upper.copy(), model.col_lower.copy(), np.random.default_rng(seed),
+        )  # fmt: skip
+        search._bound(dead, 0.0, 0.0)
+        return search
 
-    def values(self, x: Floats) -> list[float]:
-        """Robustness of every node."""
-        found = [np.inf] * len(self.order)
-        for k, cols, values, constant in self.atoms:
-            found[k] = float(values @ x[cols]) + constant
-        for k, node in enumerate(self.order):
-            if isinstance(node, And):
-                found[k] = min([found[self.place[c]] for c in node.args], default=np.inf)
-            elif isinstance(node, Or):
-                found[k] = max([found[self.place[c]] for c in node.args], default=-np.inf)
-            elif isinstance(node, Const):
-                found[k] = np.inf if node.value else -np.inf
-        return found
+    def run(self, most: int) -> tuple[Floats | None, int]:
+        """Search; the point and the number of LPs."""
+        if not self._solve():
+            return None, self.lps
+        limit = float(_FIRST_LIMIT)
+        while self.lps < most:
+            found, exhausted = self._dive(min(int(limit), most - self.lps))
+            if found is not None or exhausted:
+                return found, self.lps
+            while self.trail:
+                self._undo(self.trail.pop())
+            self.restarts += 1
+            limit *= _GROWTH
+            self._shake()
+        return None, self.lps
 
-    def active(self, values: Sequence[float], bias: Mapping[Node, float]) -> set[Node]:
-        """Nodes that are relied upon when every disjunction takes its best alternative."""
-        seen: set[Node] = set()
-        todo: list[Node] = [self.encoded.formula]
-        while todo:
-            node = todo.pop()
-            if node in seen:
+    def _dive(self, limit: int) -> tuple[Floats | None, bool]:
+        """Decide and backtrack until a point, the limit, or the end of the tree."""
+        end, fits = self.spent + limit, True
+        while self.spent < end:
+            if not fits:
+                if not self._backtrack():
+                    return None, True
+                fits = self._still_fits(self.trail[-1].column)
                 continue
-            seen.add(node)
-            if isinstance(node, Or):
-                todo.append(
-                    max(node.args, key=lambda c: values[self.place[c]] - bias.get(c, 0.0))
-                )
-            elif isinstance(node, And):
-                todo.extend(node.args)
-        return seen
+            x = np.array(self.lp.getSolution().col_value)
+            column = self._pick(x)
+            if column is None:
+                return x, False
+            fits = self._decide(column)
+        return None, False
+
+    def _pick(self, x: Floats) -> int | None:
+        """The literal to set next; None where all integer columns are integral."""
+        part = x[self.integers]
+        loose = np.abs(part - np.round(part)) > _INTEGRAL
+        if not loose.any():
+            return None
+        scores = [self._score(k, x[g]) for k, g in enumerate(self.groups)]
+        best = int(np.argmax(scores)) if scores else -1
+        if best < 0 or scores[best] < 0:
+            return int(self.integers[loose][np.argmax(part[loose])])
+        group = self.groups[best]
+        likes = x[group]
+        if self.restarts:
+            likes = likes * (0.3 + 0.7 * self.rng.random(len(group)))
+        return int(group[np.argmax(likes)])
+
+    def _score(self, k: int, values: Floats) -> float:
+        if (np.abs(values - np.round(values)) <= _INTEGRAL).all():
+            return -1.0
+        group, total = self.groups[k], float(values.sum())
+        open_ = float(np.count_nonzero(self.upper[group] > 0))
+        noise = 0.5 * len(group) * self.rng.random() if self.restarts else 0.0
+        return 1000.0 * (self.over_time[k] and total > 0.9) + open_ * total + noise
+
+    def _decide(self, column: int) -> bool:
+        self._bound(np.array([column]), 1.0, 1.0)
+        out = self.conflicts.get(column, _NONE)
+        out = out[self.upper[out] > 0]
+        if (self.lower[out] > 0.5).any():
+            self.trail.append(_Decision(column, _NONE))
+            self.spent += 1
+            return False
+        self._bound(out, 0.0, 0.0)
+        self.trail.append(_Decision(column, out))
+        touched = np.unique(self.group_of[out])
+        if any(self._is_empty(k) for k in touched):
+            self.spent += 1
+            return False
+        return self._solve()
+
+    def _is_empty(self, k: int) -> bool:
+        return k >= 0 and bool(self.asserted[k]) and not self.upper[self.groups[k]].any()
+
+    def _backtrack(self) -> bool:
+        """Turn the latest open decision over; False where none is left."""
+        while self.trail and self.trail[-1].other:
+            self._undo(self.trail.pop())
+        if not self.trail:
+            return False
+        last = self.trail.pop()
+        self._undo(last)
+        self._bound(np.array([last.column]), 0.0, 0.0)
+        self.trail.append(_Decision(last.column, _NONE, other=True))
+        return True
+
+    def _still_fits(self, column: int) -> bool:
+        if self._is_empty(int(self.group_of[column])):
+            self.spent += 1
+            return False
+        return self._solve()
+
+    def _undo(self, decision: _Decision) -> None:
+        self._bound(np.append(decision.ruled_out, decision.column), 0.0, 1.0)
+
+    def _bound(self, columns: Ints, lower: float, upper: float) -> None:
+        if not len(columns):
+            return
+        self.lower[columns], self.upper[columns] = lower, upper
+        self.lp.changeColsBounds(
+            len(columns), columns.astype(np.int32), self.lower[columns], self.upper[columns]
+        )
+
+    def _shake(self) -> None:
+        columns = np.concatenate([*self.groups, _NONE]).astype(np.int32)
+        self.lp.changeColsCost(len(columns), columns, self.rng.random(len(columns)))
+        self._solve()
+
+    def _solve(self) -> bool:
+        import highspy
+
+        self.lps += 1
+        self.spent += 1
+        self.lp.run()
+        return bool(self.lp.getModelStatus() == highspy.HighsModelStatus.kOptimal)
 
 
-def _row(node: Linear, compiled: Compiled) -> tuple[Ints, Floats, float]:
-    cols = [
-        (compiled.states if s.role is Role.STATE else compiled.inputs)[s.owner][s.shift, s.index]
-        for s, _ in node.terms
-    ]
-    return np.array(cols, np.int64), np.array([v for _, v in node.terms]), node.constant
+def _load(model: Model, rho: int, target: float) -> Any:
+    """The relaxation without costs, rho fixed, ready for warm dual simplex."""
+    import highspy
+
+    lp, A = highspy.Highs(), model.A
+    for key, value in (("log_to_console", False), ("threads", 1), ("presolve", "off")):
+        lp.setOptionValue(key, value)
+    lower, upper = model.col_lower.copy(), model.col_upper.copy()
+    lower[rho] = upper[rho] = target
+    lp.passModel(
+        model.columns, model.rows, A.nnz, int(highspy.MatrixFormat.kRowwise),
+        int(highspy.ObjSense.kMinimize), 0.0, np.zeros(model.columns), lower, upper,
+        model.row_lower, model.row_upper, A.indptr.astype(np.int32), A.indices.astype(np.int32),
+        A.data, np.zeros(model.columns, np.int32),
+    )  # fmt: skip
+    return lp
