@@ -8,7 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stlc.channels import ChannelTables
 from stlc.errors import UsageError
+from stlc.ir.nodes import Node
 from stlc.milp.builder import ModelBuilder
 from stlc.milp.context import Context, Ranges
 from stlc.milp.costs import add_objective
@@ -69,6 +71,7 @@ class Compiled:
     ranges: Mapping[str, Ranges]
     robustness: Mapping[str | None, tuple[int, float, float]]
     stats: CompileStats
+    channels: ChannelTables
     encoded: tuple[Encoded, ...] = ()
 
     def decode(self, x: Floats) -> Trajectories:
@@ -102,7 +105,10 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     notes = add_objective(ctx, tables, options.link)
     model = ctx.builder.build()
     stats = CompileStats(sizes(model), passes, time.perf_counter() - began, notes)
-    robustness = {g.requirement: (rho[g], g.low, g.high) for g in goals}
+    return Compiled(
+        model, mission, ctx.states, ctx.inputs, ctx.ranges, robustness, stats, tables.channels,
+        encoded,
+    )  # fmt: skip
     return Compiled(model, mission, ctx.states, ctx.inputs, ctx.ranges, robustness, stats, encoded)
 
 
@@ -134,7 +140,7 @@ def _add_requirements(
 
 def _add_stages(ctx: Context, program: Program, encoded: tuple[Encoded, ...]) -> None:
     """Cuts and hulls of consecutive choices; see `stages.py`."""
-    literals = {
+    literals: dict[Node, Ints] = {
         node: np.array([column for _, column in pairs], np.int64)
         for one in encoded
         for node, pairs in one.choices

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stlc.errors import UsageError
-from stlc.ir.nodes import Link, Node, Not, Quantity, Relation
+from stlc.ir.nodes import Link, Node, Not
 from stlc.milp.bounds import unit_of
 from stlc.milp.context import Context, Ranges
 from stlc.milp.goals import Goal, Level
@@ -21,31 +20,29 @@ from stlc.milp.model import Floats, Ints
 from stlc.mission import Channel, Mission
 
 if TYPE_CHECKING:
-    from stlc.radio.table import LinkEnds
+    from stlc.channels import ChannelTables
 
 
 @dataclass(slots=True)
 class LinkTables:
-    """Tables of a mission's links, made once each: whole matrices over the channel's cells."""
+    """A mission's channel tables as the encoders want them: by polarity, and within reach."""
 
     mission: Mission
-    _costs: dict[tuple[str, tuple[str, str]], Floats] = field(default_factory=dict)
-    _levels: dict[tuple[object, ...], Floats] = field(default_factory=dict)
+    channels: ChannelTables = field(init=False)
+
+    def __post_init__(self) -> None:
+        from stlc.channels import ChannelTables
+
+        self.channels = ChannelTables(self.mission)
 
     def cost(self, channel: Channel, pair: tuple[str, str]) -> Floats:
         """Link cost (n, n), or (n,) towards a station."""
-        key = (channel.name, pair)
-        if key not in self._costs:
-            self._costs[key] = self._cost(channel, pair)
-        return self._costs[key]
+        return self.channels.cost(channel.name, pair)
 
     def robustness(self, node: Link | Not) -> Floats:
         """What surely holds of a (negated) link predicate: (n, n), or (n,) towards a station."""
-        link = link_of(node)
-        key = (*link.key[:-1], isinstance(node, Not))
-        if key not in self._levels:
-            self._levels[key] = self._robustness(link, negated=isinstance(node, Not))
-        return self._levels[key]
+        found = self.channels.thresholds(link_of(node))
+        return -found.high if isinstance(node, Not) else found.low
 
     def bounds(self, node: Link | Not, ranges: Mapping[str, Ranges]) -> tuple[float, float]:
         """Least and greatest robustness over the cells in reach at the predicate's step."""
@@ -66,69 +63,6 @@ class LinkTables:
             )
             for name in moving
         ]
-
-    def _cost(self, channel: Channel, pair: tuple[str, str]) -> Floats:
-        given = _given(channel, pair)
-        if given is not None:
-            return given
-        from stlc.radio.costs import CostName
-        from stlc.radio.table import cost_table
-
-        if channel.model is None or channel.budget is None:
-            raise UsageError(f"channel '{channel.name}' has neither a model nor a table for {pair}")
-        bound = channel.cost_bound.value
-        ends = self._ends(channel, pair)
-        table = cost_table(channel.model, ends, CostName(channel.cost), channel.budget, bound)
-        return self._oriented(table.matrix(), pair)
-
-    def _robustness(self, link: Link, *, negated: bool) -> Floats:
-        channel = self.mission.channels[link.channel]
-        pair = (link.sender, link.receiver)
-        at_least = link.relation is Relation.AT_LEAST
-        if link.quantity is Quantity.COST:
-            values = self.cost(channel, pair)
-            return values - link.threshold if at_least else link.threshold - values
-        from stlc.radio import predicates
-
-        if channel.model is None or channel.budget is None:
-            raise UsageError(
-                f"channel '{channel.name}' has no model to judge {link.quantity.value}"
-            )
-        chance = link.probability is not None
-        quantity = (
-            predicates.Quantity.CHANCE if chance else predicates.Quantity(link.quantity.value)
-        )
-        predicate = predicates.LinkPredicate(quantity, link.threshold, at_least, link.probability)
-        found = predicates.threshold_table(
-            channel.model, self._ends(channel, pair), predicate, channel.budget,
-            channel.predicate_bound.value,
-        )  # fmt: skip
-        values = -found.high.matrix() if negated else found.low.matrix()
-        return self._oriented(values, pair)
-
-    def _ends(self, channel: Channel, pair: tuple[str, str]) -> LinkEnds:
-        from stlc.radio.table import LinkEnds
-
-        stations = [self.mission.stations[n] for n in pair if n in self.mission.stations]
-        if len(stations) == 2:
-            raise UsageError(f"neither end of the link {pair[0]} - {pair[1]} moves")
-        if not stations:
-            return LinkEnds(channel.partition, receiver=pair[1])
-        heights = (0.0, stations[0].height) if stations[0].height else None
-        return LinkEnds(channel.partition, stations[0].position, heights, pair[1])
-
-    def _oriented(self, values: Floats, pair: tuple[str, str]) -> Floats:
-        """(n, 1) becomes (n,)."""
-        both = all(name in self.mission.agents for name in pair)
-        return values if both else values.reshape(len(values))
-
-
-def _given(channel: Channel, pair: tuple[str, str]) -> Floats | None:
-    if pair in channel.tables:
-        return channel.tables[pair]
-    if pair[::-1] in channel.tables:
-        return channel.tables[pair[::-1]].T
-    return channel.tables.get(None)
 
 
 def link_of(node: Node) -> Link:

@@ -27,7 +27,6 @@ from stlc.solve.events import (
 )
 
 if TYPE_CHECKING:
-    from stlc.channels import ChannelTables
     from stlc.milp.compile import Compiled, CompileOptions
     from stlc.mission import Mission
     from stlc.plan import Plan
@@ -102,7 +101,6 @@ def solve_mission(
     hand, SolverError when the solver is missing, fails or its answer is refused, and
     DisagreementError when the verifier refuses what the Model accepts.
     """
-    from stlc.channels import ChannelTables
     from stlc.milp.compile import compile_mission
     from stlc.milp.encodings import encoding_label
 
@@ -111,10 +109,9 @@ def solve_mission(
     began = time.perf_counter()
     listen(StatusEvent("compile", mission.source.name))
     compiled = compile_mission(mission, settings.compile)
-    tables = ChannelTables(mission)
     now = time.perf_counter()
     label = encoding_label(settings.compile)
-    job = _Job(mission, settings, compiled, tables, backend, listen, should_stop, now, label)
+    job = _Job(mission, settings, compiled, backend, listen, should_stop, now, label)
     listen(job.statistics())
     solution = job.solve()
     took = {"compile": now - began, "solve": time.perf_counter() - now}
@@ -126,7 +123,6 @@ def judge_point(
     compiled: Compiled,
     solution: Solution,
     options: SolveOptions | None = None,
-    tables: ChannelTables | None = None,
     encoding: str = "auto",
 ) -> tuple[Plan, Report]:
     """Certify a point against the Model, decode it, verify the plan.
@@ -146,7 +142,7 @@ def judge_point(
         solution.solver, solution.solver_version, encoding,
     )  # fmt: skip
     plan = make_plan(mission, run.states, run.inputs, info)
-    report = verify(mission, plan, tables)
+    report = verify(mission, plan, compiled.channels)
     return report.annotate(plan, certified.as_dict()), report
 
 
@@ -157,7 +153,6 @@ class _Job:
     mission: Mission
     settings: SolveSettings
     compiled: Compiled
-    tables: ChannelTables
     backend: Backend
     listen: Listener
     should_stop: Callable[[], bool] | None
@@ -226,7 +221,7 @@ class _Job:
         self.listen(SolutionEvent(seconds, objective, str(self.settings.save_to)))
 
     def _judge(self, solution: Solution, asked: SolveOptions | None = None) -> tuple[Plan, Report]:
-        return judge_point(self.mission, self.compiled, solution, asked, self.tables, self.encoding)
+        return judge_point(self.mission, self.compiled, solution, asked, self.encoding)
 
     def conclude(self, solution: Solution, seconds: dict[str, float]) -> Outcome:
         """Turn the solver's claim into a certified plan, or into the error that fits."""
