@@ -22,7 +22,11 @@ class LoadError(Exception):
 
 
 class Loader(Protocol):
-    """Where files come from. Names are relative to `base`, the name of the file that names them."""
+    """Where files come from.
+
+    Names are relative to `base`, the resolved name of the file that names them ("" for the
+    mission itself).
+    """
 
     def read_bytes(self, name: str, base: str) -> bytes:
         """Content of a file. Raises LoadError."""
@@ -34,6 +38,10 @@ class Loader(Protocol):
 
     def path(self, name: str, base: str) -> Path:
         """Where the file is on disk, for readers of data. Raises LoadError."""
+        ...
+
+    def shown(self, resolved: str) -> str:
+        """How a resolved name is shown to people."""
         ...
 
 
@@ -65,8 +73,12 @@ class FolderLoader:
         return path
 
     def _folder(self, base: str) -> Path:
-        known = Path(base)
-        return known.parent if known.is_absolute() else self.root
+        return Path(base).parent if base else self.root
+
+    def shown(self, resolved: str) -> str:
+        """The path from the mission's folder, for people."""
+        path, root = Path(resolved), Path(self.root).resolve()
+        return str(path.relative_to(root)) if path.is_relative_to(root) else resolved
 
     def read_bytes(self, name: str, base: str) -> bytes:
         """Content of a file. Raises LoadError."""
@@ -92,6 +104,10 @@ class MemoryLoader:
     def resolve(self, name: str, base: str) -> str:
         """The name itself."""
         return name
+
+    def shown(self, resolved: str) -> str:
+        """The name itself."""
+        return resolved
 
     def read_bytes(self, name: str, base: str) -> bytes:
         """Content of a file. Raises LoadError."""

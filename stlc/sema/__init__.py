@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -30,12 +31,27 @@ def load_mission(
     from stlc.sema.report import Report
     from stlc.syntax.parse import parse
 
-    result = parse(source)
-    report = Report()
-    for diagnostic in result.diagnostics:
-        report.add(diagnostic)
     loader = MemoryLoader() if folder is None else FolderLoader(folder, tuple(allow_paths))
-    return analyse(result.file, params=params, loader=loader, report=report)
+    with collector_paused():
+        result = parse(source)
+        report = Report()
+        for diagnostic in result.diagnostics:
+            report.add(diagnostic)
+        return analyse(result.file, params=params, loader=loader, report=report)
+
+
+@contextmanager
+def collector_paused() -> Iterator[None]:
+    """No garbage collection inside: trees only grow there, and scanning them takes long."""
+    import gc
+
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
 
 
 def load_all_diagnostics() -> None:

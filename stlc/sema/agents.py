@@ -74,7 +74,8 @@ def agent(statement: ast.AgentDecl, name: str, env: Env, scope: Scope) -> Agent:
     bounds = Bounds(base, mass)
     for prop in every:
         if prop.key.text in ("control", "speed", "state", *limits):
-            apply(prop, bounds, scope)
+            with scope.report.guard():
+                apply(prop, bounds, scope)
     made = Agent(
         name=name,
         dynamics=base,
@@ -91,7 +92,11 @@ def agent(statement: ast.AgentDecl, name: str, env: Env, scope: Scope) -> Agent:
         mass=mass,
         span=statement.name.span,
     )
-    return replace(made, turn_rate=turn_rate(block, made, scope))
+    first = block.get("start")
+    scope.starts[name] = statement.name.span if first is None else first.span
+    with scope.report.guard():
+        return replace(made, turn_rate=turn_rate(block, made, scope))
+    return made
 
 
 def _known(

@@ -63,11 +63,11 @@ class Bounds:
         lower = self.state_lower if state else self.input_lower
         upper = self.state_upper if state else self.input_upper
         at = list(target.indices)
-        lower[at], upper[at] = np.maximum(lower[at], low), np.minimum(upper[at], high)
-        if (lower[at] > upper[at]).any():
-            k = at[int(np.argmax(lower[at] > upper[at]))]
-            problem = f"from {lower[k]:g} to {upper[k]:g}"
-            raise Mistake(EmptyBound(span=span, problem=problem))
+        least, most = np.maximum(lower[at], low), np.minimum(upper[at], high)
+        if (least > most).any():
+            k = int(np.argmax(least > most))
+            raise Mistake(EmptyBound(span=span, problem=f"from {least[k]:g} to {most[k]:g}"))
+        lower[at], upper[at] = least, most
 
 
 def apply(item: ast.Property, bounds: Bounds, scope: Scope) -> None:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from stlc.diagnostics import Diagnostic
 from stlc.sema import links, scalars
 from stlc.sema.members import point
-from stlc.sema.name_errors import Nonlinear, PastOperator, UnknownName, WrongArity, WrongKind
+from stlc.sema.name_errors import Nonlinear, UnknownName, WrongArity, WrongKind
 from stlc.sema.report import Mistake, suggested_fix, suggestion, with_note
 from stlc.sema.scope import Scope, as_scalar
 from stlc.sema.units import PURE, Unit
@@ -26,13 +27,12 @@ from stlc.sema.values import (
 )
 from stlc.source import Span
 from stlc.syntax import ast
+from stlc.syntax.past import PAST, past_operator
 
 SIDES = 16
 """Faces of the polygon that stands for a Euclidean distance, unless said otherwise."""
 
 MOST_SIDES = 256
-
-PAST = frozenset({"once", "historically", "since", "previous", "prev", "yesterday", "before"})
 
 Builtin = Callable[[ast.Call, tuple[Value, ...], Scope], Value]
 
@@ -54,10 +54,10 @@ def call(expr: ast.Call, env: Env, scope: Scope) -> Value:
     return builtin(expr, tuple(scope.value(a, env) for a in expr.args), scope)
 
 
-def _no_function(expr: ast.Call, scope: Scope) -> PastOperator | UnknownName | WrongKind:
+def _no_function(expr: ast.Call, scope: Scope) -> Diagnostic:
     name, span = expr.function.text, expr.function.span
     if name in PAST:
-        return PastOperator(span=span, name=name)
+        return past_operator(span)
     if name in scope.declarations:
         return WrongKind(span=span, expected="a function", found=f"`{name}`, which takes nothing")
     known = [*BUILTINS, "P", *(n for n, d in scope.declarations.items() if isinstance(d, ast.Let))]

@@ -71,7 +71,8 @@ def _position(pieces: tuple[Polytope, ...], space: Polytope) -> str:
 def _start(agent: Agent, mission: Mission, scope: Scope) -> None:
     problem = _misplaced(agent, mission.workspace)
     if problem:
-        scope.report.add(StartMisplaced(span=agent.span, name=agent.name, problem=problem))
+        span = scope.starts[agent.name]
+        scope.report.add(StartMisplaced(span=span, name=agent.name, problem=problem))
 
 
 def _misplaced(agent: Agent, space: Polytope | None) -> str:
@@ -135,7 +136,8 @@ def _from_start(item: Requirement, best: float, scope: Scope) -> None:
     """Say why the start makes a requirement fail: an obstacle around it, or something else."""
     caught = [(a, o) for a, o in _avoided(scope) if _inside(a, o)]
     for agent, obstacle in caught:
-        scope.report.add(StartInObstacle(span=agent.span, name=agent.name, obstacle=obstacle.name))
+        span, name = scope.starts[agent.name], agent.name
+        scope.report.add(StartInObstacle(span=span, name=name, obstacle=obstacle.name))
     if not caught:
         scope.report.add(
             NeverFromStart(span=item.span, name=item.name, best=best, margin=item.margin)

@@ -2,39 +2,41 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from stlc.loader import Loader, LoadError
 from stlc.sema.name_errors import CannotRead
 from stlc.sema.report import Mistake
-from stlc.source import Span
+from stlc.source import Source, Span
 
 
 @dataclass(frozen=True, slots=True)
 class Files:
-    """A loader that reports in diagnostics."""
+    """A loader that reports in diagnostics. `known` maps the source of each imported file to its
+    resolved name, which what it names is relative to."""
 
     loader: Loader
+    known: dict[Source, str] = field(default_factory=dict)
 
     def resolve(self, name: str, span: Span) -> str:
         """One spelling of the file's name."""
         try:
-            return self.loader.resolve(name, span.source.name)
+            return self.loader.resolve(name, self.known.get(span.source, ""))
         except LoadError as error:
             raise Mistake(_cannot(name, span, error)) from None
 
     def path(self, name: str, span: Span) -> Path:
         """Where the file is on disk."""
         try:
-            return self.loader.path(name, span.source.name)
+            return self.loader.path(name, self.known.get(span.source, ""))
         except LoadError as error:
             raise Mistake(_cannot(name, span, error)) from None
 
     def bytes(self, name: str, span: Span) -> bytes:
         """Content of the file."""
         try:
-            return self.loader.read_bytes(name, span.source.name)
+            return self.loader.read_bytes(name, self.known.get(span.source, ""))
         except LoadError as error:
             raise Mistake(_cannot(name, span, error)) from None
 

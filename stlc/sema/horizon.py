@@ -72,7 +72,7 @@ def derive(
     needed = [reach.of(r.formula) for r in requirements]
     longest = max([least, *needed])
     if given is None:
-        if (reach.unbounded and longest == 0) or (not requirements and longest == 0):
+        if plans and longest == 0 and (reach.unbounded or not requirements):
             _ask_for_horizon(requirements, report)
         return max(longest, 1)
     for requirement, count in zip(requirements, needed, strict=True):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+from stlc.loader import LoadError
 from stlc.sema.files import Files
 from stlc.sema.name_errors import ImportCycle
 from stlc.sema.report import Mistake, Report
@@ -13,7 +16,15 @@ MOST_DEEP = 50
 
 def statements(file: ast.File, files: Files, report: Report) -> list[ast.Statement]:
     """All statements, imported ones in the place of their `import`."""
-    return _expand(file, files, report, (file.source.name,), set())
+    return _expand(file, files, report, (_own_name(file, files),), set())
+
+
+def _own_name(file: ast.File, files: Files) -> str:
+    """The resolved name of the mission itself, if it is a file."""
+    try:
+        return files.loader.resolve(Path(file.source.name).name, "")
+    except LoadError:
+        return file.source.name
 
 
 def _expand(
@@ -41,7 +52,9 @@ def _imported(
     if resolved in done:
         return []
     done.add(resolved)
-    result = parse(Source(resolved, files.text(name, span)))
+    source = Source(files.loader.shown(resolved), files.text(name, span))
+    files.known[source] = resolved
+    result = parse(source)
     for diagnostic in result.diagnostics:
         report.add(diagnostic)
     return _expand(result.file, files, report, (*path, resolved), done)

@@ -146,23 +146,6 @@ class Nonlinear(Diagnostic):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PastOperator(Diagnostic):
-    """Past operators (`once`, `historically`, `since`, `previous`) aren't part of the language.
-
-    A plan is judged from step 0 on. `eventually[0,8] (q and once[0,2] p)` asks for p before q; with
-    future operators it reads `eventually[0,6] (p and eventually[0,2] q)`.
-    """
-
-    code: ClassVar[str] = "E0210"
-    title: ClassVar[str] = "`{name}` looks into the past"
-    label: ClassVar[str] = "past operator"
-    help: ClassVar[str] = (
-        "state the earlier event first: `eventually (earlier and eventually[0,n] later)`"
-    )
-    name: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NotNegatable(Diagnostic):
     """A `swept` condition stands under a negation.
 
@@ -242,20 +225,6 @@ class ImportCycle(Diagnostic):
     label: ClassVar[str] = "closes the circle"
     help: ClassVar[str] = "move what both need into a third file"
     path: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Reserved(Diagnostic):
-    """`prefer` is reserved for soft requirements, which this version doesn't solve yet.
-
-    Put what you would like into the objective: `maximize robustness(name)` for a requirement, or a
-    weighted cost.
-    """
-
-    code: ClassVar[str] = "E0217"
-    title: ClassVar[str] = "`prefer` is reserved for a later version"
-    label: ClassVar[str] = "soft requirements are not supported"
-    help: ClassVar[str] = "make it a `require`, or weigh its robustness in the objective"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -65,7 +65,9 @@ class Report:
 
 
 def with_note(diagnostic: Diagnostic, text: str, span: Span | None) -> Diagnostic:
-    """The diagnostic with one more note."""
+    """The diagnostic with one more note, unless that place is its own."""
+    if span is not None and diagnostic.span == span:
+        return diagnostic
     return replace(diagnostic, notes=(*diagnostic.notes, Note(text, span)))
 
 

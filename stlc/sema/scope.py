@@ -60,6 +60,7 @@ class Scope:
     regions: dict[str, Region] = field(default_factory=dict)
     obstacles: dict[str, Obstacle] = field(default_factory=dict)
     channels: dict[str, Channel] = field(default_factory=dict)
+    starts: dict[str, Span] = field(default_factory=dict)
     pairs: dict[str, tuple[tuple[str, str], ...]] = field(default_factory=dict)
     requirements: list[str] = field(default_factory=list)
     signals: dict[str, Unit | None] = field(default_factory=dict)

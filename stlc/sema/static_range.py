@@ -44,7 +44,7 @@ _QUANTITY: dict[Quantity, Interval] = {
 class StaticRange:
     """Intervals of robustness; `starts`, if given, fixes the states at step 0."""
 
-    boxes: Mapping[tuple[str, Role], tuple[Array, Array]]
+    boxes: Mapping[tuple[str, Role], list[Interval]]
     starts: Mapping[str, Array] = field(default_factory=dict)
     known: dict[tuple[int, bool], Interval] = field(default_factory=dict)
     kept: list[Node] = field(default_factory=list)
@@ -120,7 +120,7 @@ class StaticRange:
         box = self.boxes.get((signal.owner, signal.role))
         if box is None:
             return -inf, inf
-        return float(box[0][signal.index]), float(box[1][signal.index])
+        return box[signal.index]
 
 
 def _least(parts: list[Interval]) -> Interval:
@@ -150,15 +150,18 @@ def _link(node: Link) -> Interval:
 
 def boxes(
     agents: Mapping[str, Agent], workspace: Polytope | None
-) -> dict[tuple[str, Role], tuple[Array, Array]]:
+) -> dict[tuple[str, Role], list[Interval]]:
     """Intervals of every state and input, from bounds, norms and the workspace."""
-    found: dict[tuple[str, Role], tuple[Array, Array]] = {}
+    found: dict[tuple[str, Role], list[Interval]] = {}
     for name, agent in agents.items():
-        found[(name, Role.STATE)] = _state_box(agent, workspace)
-        found[(name, Role.INPUT)] = _with_norms(
-            agent.input_lower.copy(), agent.input_upper.copy(), agent, "input"
-        )
+        found[(name, Role.STATE)] = _pairs(*_state_box(agent, workspace))
+        lower, upper = agent.input_lower.copy(), agent.input_upper.copy()
+        found[(name, Role.INPUT)] = _pairs(*_with_norms(lower, upper, agent, "input"))
     return found
+
+
+def _pairs(lower: Array, upper: Array) -> list[Interval]:
+    return [(float(low), float(high)) for low, high in zip(lower, upper, strict=True)]
 
 
 def _state_box(agent: Agent, workspace: Polytope | None) -> tuple[Array, Array]:

@@ -113,6 +113,7 @@ class ChannelNote(Warn):
     code: ClassVar[str] = "W1009"
     title: ClassVar[str] = "channel `{channel}`: {text}"
     label: ClassVar[str] = "this channel"
+    help: ClassVar[str] = "`stlc fit` on the same samples tells more"
     channel: str
     text: str
 
