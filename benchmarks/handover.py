@@ -32,13 +32,9 @@ def _mip(model: Model) -> object:
 
 
 def _pulp(model: Model) -> object:
-    import warnings
+    from stlc.backends.pulp_cbc import build
 
-    from stlc.backends.pulp_cbc import _problem
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)
-        return _problem(model, None)
+    return build(model)
 
 
 def _cvxpy(model: Model) -> object:
