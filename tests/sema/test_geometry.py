@@ -1,0 +1,139 @@
+"""Shapes: half-planes, decomposition, growth."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from stlc.mission import Mission, Polytope
+from stlc.sema.decompose import PolygonError, decompose
+from stlc.sema.geometry import (
+    Point,
+    box,
+    contains,
+    disjoint,
+    inflated,
+    polytope,
+    simplified,
+    within,
+)
+
+Ring = list[Point]
+
+
+def area(piece: Polytope) -> float:
+    return float(shapely.Polygon(piece.vertices).area)
+
+
+def union(pieces: list[Polytope]) -> shapely.Geometry:
+    return shapely.union_all([shapely.Polygon(p.vertices) for p in pieces])
+
+
+@st.composite
+def star_polygons(draw: st.DrawFn) -> Ring:
+    """Rings around the origin: simple, seldom convex."""
+    count = draw(st.integers(4, 14))
+    radii = draw(st.lists(st.integers(2, 20), min_size=count, max_size=count))
+    angles = [2 * math.pi * k / count for k in range(count)]
+    return [(r * math.cos(a), r * math.sin(a)) for r, a in zip(radii, angles, strict=True)]
+
+
+@given(star_polygons())
+def test_pieces_are_convex_and_cover_the_polygon(ring: Ring) -> None:
+    pieces = decompose(ring)
+    whole = shapely.Polygon(ring)
+    assert union(pieces).symmetric_difference(whole).area <= 1e-6 * whole.area
+    for piece in pieces:
+        inner = piece.offsets[:, None] - piece.normals @ piece.vertices.T
+        assert inner.min() >= -1e-9
+        assert np.allclose(np.hypot(*piece.normals.T), 1.0)
+
+
+@given(star_polygons(), st.floats(0, 1), st.floats(0, 2 * math.pi))
+def test_no_inner_point_is_on_the_border_of_all_its_pieces(
+    ring: Ring, share: float, angle: float
+) -> None:
+    """A cut between pieces is inside: closed `outside` must not hold there."""
+    pieces = decompose(ring)
+    whole = shapely.Polygon(ring)
+    centre = np.array([20 * share * math.cos(angle), 20 * share * math.sin(angle)])
+    cuts = [
+        (p + q) / 2.0
+        for piece in pieces
+        for p, q in zip(piece.vertices, np.roll(piece.vertices, -1, axis=0), strict=True)
+    ]
+    for point in [centre, *cuts]:
+        if whole.exterior.distance(shapely.Point(point)) > 1e-3 and whole.contains(
+            shapely.Point(point)
+        ):
+            assert any(contains(piece, point, 1e-9) for piece in pieces)
+
+
+def test_few_pieces() -> None:
+    ell = [(0.0, 0.0), (4.0, 0.0), (4.0, 1.0), (1.0, 1.0), (1.0, 4.0), (0.0, 4.0)]
+    assert len(decompose(ell)) == 2
+    frame = [(0.0, 0.0), (9.0, 0.0), (9.0, 9.0), (0.0, 9.0)]
+    hole = [(3.0, 3.0), (6.0, 3.0), (6.0, 6.0), (3.0, 6.0)]
+    assert len(decompose(frame, [hole])) == 4
+    assert len(decompose(frame)) == 1
+    assert len(decompose([*frame, (0.0, 4.0)])) == 1
+
+
+@pytest.mark.parametrize(
+    "ring",
+    [
+        [(0.0, 0.0), (4.0, 4.0), (4.0, 0.0), (0.0, 4.0)],
+        [(0.0, 0.0), (1.0, 1.0), (2.0, 2.0)],
+        [(math.cos(4 * math.pi * k / 5), math.sin(4 * math.pi * k / 5)) for k in range(5)],
+    ],
+)
+def test_rings_that_bound_nothing(ring: Ring) -> None:
+    with pytest.raises(PolygonError):
+        decompose(ring)
+
+
+@given(star_polygons(), st.floats(0.01, 3.0))
+def test_inflation_contains_the_disc_around_every_point(ring: Ring, distance: float) -> None:
+    hull = shapely.convex_hull(shapely.MultiPoint(ring))
+    assume(isinstance(hull, shapely.Polygon))
+    piece = polytope(simplified([(x, y) for x, y in hull.exterior.coords[:-1]]))
+    grown = inflated(piece, distance)
+    disc = shapely.Polygon(piece.vertices).buffer(distance, quad_segs=64)
+    outer = shapely.Polygon(grown.vertices).buffer(1e-7)
+    assert outer.contains(disc)
+    reach = shapely.Polygon(piece.vertices).buffer(math.sqrt(2) * distance + 1e-6, quad_segs=256)
+    assert reach.buffer(1e-3).contains(shapely.Polygon(grown.vertices))
+
+
+def test_an_inflated_box_is_a_box() -> None:
+    grown = inflated(box((4.0, 6.0), (4.0, 6.0)), 0.5)
+    assert len(grown.offsets) == 4
+    assert sorted(map(tuple, grown.vertices)) == [(3.5, 3.5), (3.5, 6.5), (6.5, 3.5), (6.5, 6.5)]
+
+
+def test_relations_of_boxes() -> None:
+    a, b = box((0.0, 1.0), (0.0, 1.0)), box((1.0, 2.0), (0.0, 1.0))
+    assert disjoint(a, b)
+    assert not disjoint(a, box((0.5, 2.0), (0.0, 1.0)))
+    assert within(a, box((0.0, 2.0), (0.0, 1.0)))
+    assert not within(b, a)
+    assert area(a) == 1.0
+
+
+def test_moving_obstacles_keep_their_last_shape() -> None:
+    mission = Mission.from_text(
+        """
+horizon 6
+agent a : double_integrator { start (9, 9) }
+obstacle o = moving { 0: box [0, 2] x [0, 2]; 3: box [4, 5] x [4, 5] } inflate 0.5 m
+require: always a outside o
+"""
+    )
+    frames = mission.obstacles["o"].frames
+    assert [float(f[0].vertices[:, 0].max()) for f in frames] == [2.5, 2.5, 2.5, 5.5]
+    assert float(mission.obstacles["o"].bodies[3][0].vertices[:, 0].max()) == 5.0
