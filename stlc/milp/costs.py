@@ -5,7 +5,7 @@
     link cost   see `stlc.milp.tables`
     robustness  the column of its goal
 
-`normalised` divides a cost by the width of its static range.
+`normalised` divides a cost by the width of its static range (`stlc.scales`).
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from stlc.milp.context import Context
 from stlc.milp.links import LinkTables
 from stlc.milp.model import Floats, Ints, Origin
 from stlc.mission import Agent, ObjectiveTerm, TermKind
+from stlc.scales import static_range
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,14 +32,6 @@ class _Entries:
     lower: Floats
     upper: Floats
 
-    @property
-    def span(self) -> float:
-        """Width of the static range of sum weights |y|."""
-        crossing = (self.lower < 0) & (self.upper > 0)
-        ends = np.abs(np.stack([self.lower, self.upper]))
-        least = np.where(crossing, 0.0, ends.min(axis=0))
-        return float(self.weights @ (ends.max(axis=0) - least))
-
 
 def add_objective(ctx: Context, tables: LinkTables, encoding: str) -> tuple[str, ...]:
     """Add every cost term; returns remarks on the encodings that were chosen."""
@@ -47,7 +40,7 @@ def add_objective(ctx: Context, tables: LinkTables, encoding: str) -> tuple[str,
         ctx.builder.origin = Origin(f"objective {term.kind.value}", term.span)
         match term.kind:
             case TermKind.EFFORT:
-                _add_effort(ctx, term)
+                _add_effort(ctx, term, tables)
             case TermKind.LINK_COST:
                 notes += _add_link_cost(ctx, term, tables, encoding)
             case TermKind.ROBUSTNESS:
@@ -59,14 +52,11 @@ def _window(ctx: Context, term: ObjectiveTerm) -> tuple[int, int]:
     return term.window if term.window is not None else (0, ctx.mission.horizon)
 
 
-def _add_effort(ctx: Context, term: ObjectiveTerm) -> None:
+def _add_effort(ctx: Context, term: ObjectiveTerm, tables: LinkTables) -> None:
     first, last = _window(ctx, term)
     agents = [ctx.agent(name) for name in term.agents or ctx.mission.agents]
     parts = [part for agent in agents for part in _agent_entries(ctx, agent, first, last)]
-    weight = term.weight
-    if term.normalised:
-        width = sum(part.span for part in parts)
-        weight = weight / width if width > 0 else 0.0
+    weight = term.weight / static_range(ctx.mission, term, tables.channels)
     for part in parts:
         _add_absolute(ctx, part, weight)
 
@@ -116,11 +106,7 @@ def _add_link_cost(
     channel = ctx.mission.channels[term.channel]
     first, last = _window(ctx, term)
     steps = range(max(first, 1), last + 1)
-    weight = term.weight
-    if term.normalised:
-        spans = [float(np.ptp(tables.cost(channel, pair))) for pair in term.pairs]
-        width = sum(spans) * len(steps)
-        weight = weight / width if width > 0 else 0.0
+    weight = term.weight / static_range(ctx.mission, term, tables.channels)
     notes = []
     for pair in term.pairs:
         table = tables.cost(channel, pair)
