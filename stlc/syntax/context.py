@@ -254,7 +254,9 @@ class _Context:
             return self._takes_operand(token)
         # Where an operand is due a binary word is a name; if an operand follows, it is a mistake
         # that the parser reports at the operator.
-        return len(token.text) > 1 and self._begins_operand(self._peek(), self._peek(2))
+        after = self._peek()
+        wanting = len(token.text) > 1 and after.text not in ("-", "−")
+        return wanting and self._begins_operand(after, self._peek(2))
 
     def _quantifies(self, kind: str) -> bool:
         first, second = self._peek(), self._peek(2)
@@ -262,7 +264,8 @@ class _Context:
             return self._after_bracket(1).text == "in"
         if kind == "SUM":
             return first.kind == NAME and second.text == "in"
-        return first.text == "(" or (first.kind == NAME and (first.text != "in" or second.text == "in"))
+        named = first.kind == NAME and (first.text != "in" or second.text == "in")
+        return named or first.text == "("
 
     def _takes_operand(self, token: Token) -> bool:
         """Whether a unary operator's word is the operator here, and not a name."""

@@ -105,7 +105,10 @@ class _Parser:
 
     def _statement(self, raw: list[Token]) -> None:
         tokens = classify(raw)
+        noticed = len(self.builder.mixes.warnings)
         outcome: Any = run(tokens, self.builders)
+        if isinstance(outcome, Stuck | TooDeep):
+            del self.builder.mixes.warnings[noticed:]  # of half a statement
         match outcome:
             case Stuck(state, index):
                 self._recover(explain(Trouble(self.source, raw, tokens, state, index)))
