@@ -105,11 +105,11 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     notes = add_objective(ctx, tables, options.link)
     model = ctx.builder.build()
     stats = CompileStats(sizes(model), passes, time.perf_counter() - began, notes)
+    robustness = {g.requirement: (rho[g], g.low, g.high) for g in goals}
     return Compiled(
         model, mission, ctx.states, ctx.inputs, ctx.ranges, robustness, stats, tables.channels,
         encoded,
     )  # fmt: skip
-    return Compiled(model, mission, ctx.states, ctx.inputs, ctx.ranges, robustness, stats, encoded)
 
 
 def _add_goal(ctx: Context, goal: Goal) -> int:
