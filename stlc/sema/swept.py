@@ -48,18 +48,24 @@ def sweep_linear(node: Linear, scope: Scope, span: Span) -> Node:
 
 def separation_claim(node: Node, scope: Scope) -> Swept | None:
     """What a separation says of the motion, read off its four half-planes; None for the rest."""
-    if not isinstance(node, Or) or len(node.args) != 4:
-        return None
-    gaps = [_gap(leaf, scope) for leaf in node.args]
+    leaves = _alternatives(node)
+    gaps = [_gap(leaf, scope) for leaf in leaves]
     found = {(gap[2], gap[3]): gap for gap in gaps if gap is not None}
     pairs = {gap[:2] for gap in found.values()}
-    if len(found) != 4 or len(pairs) != 1:
+    if len(leaves) != 4 or len(found) != 4 or len(pairs) != 1:
         return None
     x, y = ([found[axis, sign][4] for sign in (1.0, -1.0)] for axis in (0, 1))
     if x[0] != x[1] or y[0] != y[1]:
         return None
     ((agent, other),) = pairs
     return Swept(Motion.SEPARATION, agent, other=other, distances=(x[0], y[0]))
+
+
+def _alternatives(node: Node) -> tuple[Node, ...]:
+    """Arguments of a disjunction, those of a disjunction within it included."""
+    if not isinstance(node, Or):
+        return (node,)
+    return tuple(b for a in node.args for b in (a.args if isinstance(a, Or) else (a,)))
 
 
 def _gap(leaf: Node, scope: Scope) -> tuple[str, str, int, float, float] | None:
