@@ -42,6 +42,13 @@ class Status(Enum):
     FAILED = "failed"
 
 
+def relative_gap(objective: float | None, bound: float | None) -> float | None:
+    """|objective - bound| / max(|objective|, 1e-10), None where either is unknown."""
+    if objective is None or bound is None:
+        return None
+    return abs(objective - bound) / max(abs(objective), 1e-10)
+
+
 @dataclass(frozen=True, slots=True)
 class Progress:
     """One report from a solver at work. `incumbent` is a point (n,) when a new one was found."""
@@ -51,6 +58,11 @@ class Progress:
     bound: float | None
     nodes: int | None
     incumbent: Floats | None = None
+
+    @property
+    def gap(self) -> float | None:
+        """Relative gap, if objective and bound are known."""
+        return relative_gap(self.objective, self.bound)
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,9 +97,7 @@ class Solution:
     @property
     def gap(self) -> float | None:
         """Relative gap |objective - bound| / max(|objective|, 1e-10), if both are known."""
-        if self.objective is None or self.bound is None:
-            return None
-        return abs(self.objective - self.bound) / max(abs(self.objective), 1e-10)
+        return relative_gap(self.objective, self.bound)
 
 
 @runtime_checkable

@@ -41,7 +41,7 @@ def fit_command(
     from stlc.radio.errors import RadioError
     from stlc.radio.fit import FitOptions
     from stlc.radio.report import fit_csv, format_summary, plot_summary
-    from stlc.radio.samples import SampleOptions, read_samples
+    from stlc.radio.read import SampleOptions, read_samples
 
     options = FitOptions(d0=d0, receiver_offsets=offsets, seed=seed)
     reading = SampleOptions(floor=floor)

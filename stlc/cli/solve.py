@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import json
-import signal
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from stlc.cli.common import load, mission_options
+from stlc.cli.common import interruptible, load, mission_options
 from stlc.cli.progress import listener
 
 if TYPE_CHECKING:
@@ -44,7 +41,7 @@ def solve_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, .
 
     mission = load(file, define, allow_path)
     settings = _settings(mission, words)
-    with _interruptible() as stop:
+    with interruptible() as stop:
         outcome = solve_mission(mission, settings, listener(words["style"]), stop)
     if words["csv_path"]:
         outcome.plan.write_csv(words["csv_path"])
@@ -65,25 +62,6 @@ def _settings(mission: Any, words: dict[str, Any]) -> Any:
         words["backend"], options, words["strategy"], words["time_limit"], words["gap"],
         words["threads"], words["seed"], start, words["confirm"], words["output"],
     )  # fmt: skip
-
-
-@contextmanager
-def _interruptible() -> Iterator[Callable[[], bool]]:
-    """Ctrl-C and SIGTERM ask the solver to stop; a second one ends at once."""
-    asked = False
-
-    def ask(number: int, frame: object) -> None:
-        nonlocal asked
-        if asked:
-            raise KeyboardInterrupt
-        asked = True
-
-    before = {n: signal.signal(n, ask) for n in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield lambda: asked
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 def _summary(outcome: Outcome) -> str:

@@ -193,13 +193,10 @@ class _Job:
 
     def _on_progress(self, progress: Progress) -> None:
         seconds = time.perf_counter() - self.began
-        objective, bound = progress.objective, progress.bound
-        gap = None
-        if objective is not None and bound is not None:
-            gap = abs(objective - bound) / max(abs(objective), 1e-10)
-        self.listen(ProgressEvent(seconds, objective, bound, gap, progress.nodes))
+        where = (progress.objective, progress.bound, progress.gap, progress.nodes)
+        self.listen(ProgressEvent(seconds, *where))
         if progress.incumbent is not None:
-            self._keep(progress.incumbent, bound, seconds)
+            self._keep(progress.incumbent, progress.bound, seconds)
 
     def _keep(self, x: Floats, bound: float | None, seconds: float) -> None:
         """Certify, verify and save an incumbent while the solver goes on."""
