@@ -29,7 +29,7 @@ EXACT_ROWS = 1200
 """Merged links up to which the likelihood is exact."""
 
 BLOCK_ROWS = 300
-SCREEN_ROWS = 900
+SCREEN_ROWS = 600
 """Rows on which the restarts are run before the best ends are polished on all."""
 
 
@@ -176,11 +176,11 @@ def _optimise(problem: Problem, options: FitOptions, alone: Regression) -> Array
 
 def _screen(problem: Problem, seed: int) -> Problem:
     """Whole blocks that hold about SCREEN_ROWS rows, drawn at random."""
-    if len(problem.blocks) == 1:
+    if len(problem.features) <= SCREEN_ROWS:
         return problem
-    rng = np.random.default_rng(seed)
-    order = rng.permutation(len(problem.blocks))
-    picked = [problem.blocks[i] for i in order[: max(2, SCREEN_ROWS // BLOCK_ROWS)]]
+    blocks = make_blocks(problem.merged.samples.links, BLOCK_ROWS)
+    order = np.random.default_rng(seed).permutation(len(blocks))
+    picked = [blocks[i] for i in order[: max(2, SCREEN_ROWS // BLOCK_ROWS)]]
     return replace(problem, blocks=tuple(picked))
 
 
@@ -213,7 +213,7 @@ def _climb(
 
     size, variance = np.log(_scale(whole)), np.log(alone.variance)
     limits = [(variance - 9.0, variance + 3.0)] * 2 + [(size - 6.0, size + 3.0)]
-    options = {"maxiter": 60, "ftol": 1e-8, "gtol": 1e-3}
+    options = {"maxiter": 60, "ftol": 1e-7, "gtol": 1e-3}
     found = minimize(objective, start, jac=True, method="L-BFGS-B", bounds=limits, options=options)
     return np.asarray(found.x, dtype=np.float64), -float(found.fun)
 
