@@ -33,7 +33,8 @@ def lp_chunks(model: Model, columns: Texts, rows: Texts) -> Iterator[bytes]:
     yield f"\\ {form.name}\nMinimize\n".encode()
     yield _objective(form)
     yield b"Subject To\n"
-    yield from _rows(form)
+    # GLPK wants a row; a zero coefficient is the only one that says nothing.
+    yield from _rows(form) if len(form.rows) else [b" no.rows: 0 " + form.columns[0] + b" <= 0\n"]
     yield b"Bounds\n"
     yield from _bounds(form)
     binary = form.integer & (form.col_lower == 0) & (form.col_upper == 1)
