@@ -23,7 +23,7 @@ class Rule:
     callback: str | None
     plan: tuple[int, ...]
     is_step: bool  # `sum: product`: nothing is built
-    is_sequel: bool  # part of a repetition, spliced into the rule that repeats
+    splices: bool  # is a repetition, or has one on its right side
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,10 +43,9 @@ def grammar_text() -> str:
     return (_FOLDER / "stl.lark").read_text(encoding="utf-8")
 
 
-def _rule(left: str, size: int, callback: str | None, plan: list[int]) -> Rule:
-    is_sequel = left.startswith("_")
-    is_step = callback is None and not is_sequel and size == 1 and plan == [0]
-    return Rule(left, size, callback, tuple(plan), is_step, is_sequel)
+def _rule(left: str, size: int, callback: str | None, plan: list[int], splices: bool) -> Rule:
+    is_step = callback is None and not splices and size == 1 and plan == [0]
+    return Rule(left, size, callback, tuple(plan), is_step, splices)
 
 
 @cache

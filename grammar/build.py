@@ -28,8 +28,9 @@ def spellings(grammar: str) -> dict[str, list[str]]:
 def build(grammar: str) -> dict[str, Any]:
     """Parse table of the grammar's text as JSON-ready data.
 
-    `rules[k]` is [left side, length, callback or None, plan]: the plan lists the children that the
-    callback gets (positions on the right side; -1 for an absent optional). `actions[s]` maps a
+    `rules[k]` is [left side, length, callback or None, plan, splices]: the plan lists the children
+    that the callback gets (positions on the right side; -1 for an absent optional), `splices` says
+    that it is, or has, a repetition. `actions[s]` maps a
     terminal to a state to shift to (>= 0) or to `-1 - rule` to reduce by.
     """
     from lark import Lark
@@ -83,7 +84,8 @@ def _rule(rule: Any) -> list[Any]:
         position += 1
     name = rule.origin.name
     callback = rule.alias or (None if name.startswith("_") or rule.options.expand1 else name)
-    return [name, len(rule.expansion), callback, plan]
+    splices = any(part.startswith("_") for part in (name, *(s.name for s in rule.expansion)))
+    return [name, len(rule.expansion), callback, plan, splices]
 
 
 def render(grammar: str) -> str:

@@ -101,7 +101,9 @@ class _Context:
     # --- helpers ---------------------------------------------------------------------------
 
     def _emit(self, kind: str, token: Token, *, operand: bool) -> None:
-        self.out.append(Token(kind, token.text, token.start, token.end))
+        if token.kind != kind:
+            token = Token(kind, token.text, token.start, token.end)
+        self.out.append(token)
         self.operand = operand
 
     def _peek(self, ahead: int = 1) -> Token:

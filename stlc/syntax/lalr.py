@@ -39,15 +39,31 @@ class TooDeep:
 
 def run(tokens: Sequence[Token], builders: Builders) -> Any | Stuck | TooDeep:
     """The node of one statement. `builders[callback](start, end, children)` makes nodes."""
-    stack = _Stack(tables(), builders)
-    outcome: Stuck | TooDeep | None
-    for index, token in enumerate(tokens):
-        outcome = stack.feed(token, token.kind, index)
-        if outcome is not None:
-            return outcome
-    end = tokens[-1].end if tokens else 0
-    outcome = stack.feed(Token("$END", "", end, end), "$END", len(tokens))
-    return stack.values[-1] if outcome is None else outcome
+    table = tables()
+    stack = _Stack([-1, table.start], [], [], [])
+    climbs, states = _climbs(), stack.states
+    last = tokens[-1].end if tokens else 0
+    end = 0  # where the last token shifted ends
+    for index, token in enumerate((*tokens, Token("$END", "", last, last))):
+        kind = token.kind
+        while True:
+            key = (states[-2], states[-1], kind)
+            found = climbs.get(key)
+            if found is None:
+                found = climbs[key] = _climb(table, *key)
+            states[-1], action = found
+            if action is None:
+                return stack.values[-1] if found[0] == table.end else Stuck(found[0], index)
+            if action >= 0:
+                break
+            if stack.reduce(table, table.rules[-1 - action], builders, end) > MAX_DEPTH:
+                return TooDeep(stack.starts[-1], end)
+        states.append(action)
+        stack.values.append(token)
+        stack.starts.append(token.start)
+        stack.depths.append(0)
+        end = token.end
+    raise AssertionError("the table accepts or refuses at $END")
 
 
 @cache
@@ -65,69 +81,35 @@ def _climb(table: Tables, below: int, state: int, kind: str) -> tuple[int, int |
         state = table.gotos[below][table.rules[-1 - action].left]
 
 
+@dataclass(slots=True)
 class _Stack:
-    """The four parallel stacks of a run: states, values, first characters, depths."""
+    """Parallel stacks of a run: states (one more than symbols, and a bottom), values, first
+    characters, depths."""
 
-    __slots__ = ("builders", "climbs", "depths", "end", "starts", "states", "table", "values")
+    states: list[int]
+    values: list[Any]
+    starts: list[int]
+    depths: list[int]
 
-    def __init__(self, table: Tables, builders: Builders) -> None:
-        self.table = table
-        self.builders = builders
-        self.climbs = _climbs()
-        self.states = [table.start]
-        self.values: list[Any] = []
-        self.starts: list[int] = []
-        self.depths: list[int] = []
-        self.end = 0  # where the last token shifted ends
-
-    def feed(self, token: Token, kind: str, index: int) -> Stuck | TooDeep | None:
-        """Reduce as long as the table says so, then shift the token."""
-        states, climbs = self.states, self.climbs
-        while len(states) > 1:
-            below, state = states[-2], states[-1]
-            if state == self.table.end and kind == "$END":
-                return None
-            found = climbs.get((below, state, kind))
-            if found is None:
-                found = climbs[below, state, kind] = _climb(self.table, below, state, kind)
-            states[-1], action = found
-            if action is None:
-                return Stuck(states[-1], index)
-            if action >= 0:
-                self._shift(token, action)
-                return None
-            if self._reduce(self.table.rules[-1 - action]) > MAX_DEPTH:
-                return TooDeep(self.starts[-1], self.end)
-        first = self.table.actions[self.table.start].get(kind)
-        if first is None:
-            return Stuck(self.table.start, index)
-        self._shift(token, first)
-        return None
-
-    def _shift(self, token: Token, state: int) -> None:
-        self.states.append(state)
-        self.values.append(token)
-        self.starts.append(token.start)
-        self.depths.append(0)
-        self.end = token.end
-
-    def _reduce(self, rule: Rule) -> int:
-        size, values = rule.size, self.values
-        base = len(values) - size
+    def reduce(self, table: Tables, rule: Rule, builders: Builders, end: int) -> int:
+        """Replace the right side of a rule by its left side; the depth of the new node."""
+        values, starts, depths, states = self.values, self.starts, self.depths, self.states
+        base = len(values) - rule.size
         children = [values[base + k] if k >= 0 else None for k in rule.plan]
-        start = self.starts[base]
-        depth: int = max(self.depths[base:])
-        value: Any
+        if rule.splices:
+            children = _splice(children)
+        start = starts[base]
+        depth = depths[base] if rule.size == 1 else max(depths[base:])
         if rule.callback is not None:
-            value = self.builders[rule.callback](start, self.end, _splice(children))
+            value = builders[rule.callback](start, end, children)
             depth += 1
         else:
-            value = _splice(children) if rule.is_sequel else children[0]
-        del values[base:], self.starts[base:], self.depths[base:], self.states[base + 1 :]
-        self.states.append(self.table.gotos[self.states[-1]][rule.left])
+            value = children if rule.splices else children[0]
+        del values[base:], starts[base:], depths[base:], states[base + 2 :]
+        states.append(table.gotos[states[-1]][rule.left])
         values.append(value)
-        self.starts.append(start)
-        self.depths.append(depth)
+        starts.append(start)
+        depths.append(depth)
         return depth
 
 
@@ -137,8 +119,6 @@ class Sequel(list[Any]):
 
 def _splice(children: list[Any]) -> list[Any]:
     """Children with repetitions laid flat; a repetition that grows is reused, so it is linear."""
-    if not any(type(child) is Sequel for child in children):
-        return Sequel(children)
     flat = children[0] if type(children[0]) is Sequel else Sequel(children[:1])
     for child in children[1:]:
         if type(child) is Sequel:

@@ -10,10 +10,10 @@ UNITS: Final[frozenset[str]] = frozenset(
         *("s", "ms", "us", "min", "h"),
         *("kg", "g", "N", "mN", "kN"),
         *("rad", "mrad", "deg"),
-        *("dB", "dBm", "dBi"),
+        *("dB", "dBm", "dBW", "dBi"),
         *("Hz", "kHz", "MHz", "GHz"),
         *("W", "mW", "uW", "J", "mJ", "uJ"),
-        *("bit", "kbit", "Mbit", "byte"),
+        *("bit", "kbit", "Mbit", "byte", "bytes", "percent"),
         "%",
     }
 )
