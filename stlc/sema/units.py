@@ -24,7 +24,8 @@ class Unit:
     def __str__(self) -> str:
         if self.level:
             return "dBm"
-        return _NAMED.get(self.dims) or _spell(self.dims)
+        named = _NAMED.get(self.dims)
+        return _spell(self.dims) if named is None else named
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,31 +53,34 @@ BIT_RATE = Unit((("bit", 1), ("s", -1)))
 
 _NAMED: dict[Dims, str] = {(): "", NEWTON.dims: "N", HERTZ.dims: "Hz"}
 
-_PREFIXED = {"m": METRE, "s": SECOND, "N": NEWTON, "Hz": HERTZ, "bit": BIT}
-_PREFIXES = {"": 1.0, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
+WATT = Unit((("kg", 1), ("m", 2), ("s", -3)))
+JOULE = Unit((("kg", 1), ("m", 2), ("s", -2)))
+RADIAN = Unit((("rad", 1),))
+
+_FACTORS = {"": 1.0, "u": 1e-6, "m": 1e-3, "c": 1e-2, "k": 1e3, "M": 1e6, "G": 1e9}
+_PREFIXED: tuple[tuple[str, Unit, str], ...] = (
+    ("m", METRE, "mck"),
+    ("s", SECOND, "um"),
+    ("N", NEWTON, "mk"),
+    ("rad", RADIAN, "m"),
+    ("Hz", HERTZ, "kMG"),
+    ("W", WATT, "umk"),
+    ("J", JOULE, "umk"),
+    ("bit", BIT, "kMG"),
+)
 
 _TABLE: dict[str, Scaled] = {
-    **{p + n: Scaled(u, f) for n, u in _PREFIXED.items() for p, f in _PREFIXES.items()},
-    "cm": Scaled(METRE, 1e-2),
-    "dm": Scaled(METRE, 1e-1),
-    "meter": Scaled(METRE),
-    "metre": Scaled(METRE),
+    **{n: Scaled(u) for n, u, _ in _PREFIXED},
+    **{p + n: Scaled(u, _FACTORS[p]) for n, u, prefixes in _PREFIXED for p in prefixes},
     "min": Scaled(SECOND, 60.0),
     "h": Scaled(SECOND, 3600.0),
-    "sec": Scaled(SECOND),
     "kg": Scaled(KILOGRAM),
     "g": Scaled(KILOGRAM, 1e-3),
-    "rad": Scaled(Unit((("rad", 1),))),
-    "deg": Scaled(Unit((("rad", 1),)), pi / 180.0),
+    "deg": Scaled(RADIAN, pi / 180.0),
     "byte": Scaled(BIT, 8.0),
     "bytes": Scaled(BIT, 8.0),
-    "B": Scaled(BIT, 8.0),
-    "kB": Scaled(BIT, 8e3),
-    "bits": Scaled(BIT),
-    "bps": Scaled(BIT_RATE),
-    "kbps": Scaled(BIT_RATE, 1e3),
-    "Mbps": Scaled(BIT_RATE, 1e6),
     "dB": Scaled(DB),
+    "dBi": Scaled(DB),
     "dBm": Scaled(DBM),
     "dBW": Scaled(DBM, 1.0, 30.0),
     "1": Scaled(PURE),
@@ -87,7 +91,7 @@ _TABLE: dict[str, Scaled] = {
 KNOWN = tuple(sorted(n for n in _TABLE if n != "1"))
 """Every unit name, for suggestions."""
 
-_FACTOR = re.compile(r"\s*([*/·]?)\s*([A-Za-zµ%1]+)(?:\s*\^\s*(-?\d+))?")
+_FACTOR = re.compile(r"\s*([*/·]?)\s*([A-Za-z%1]+)(?:\s*\^\s*(-?\d+))?\s*")
 
 
 class UnknownUnitName(ValueError):
@@ -106,7 +110,7 @@ def parse_unit(text: str) -> Scaled:
     unit, scale, at = PURE, 1.0, 0
     while at < len(text):
         match = _FACTOR.match(text, at)
-        if match is None or match[2] not in _TABLE:
+        if match is None or match[2] not in _TABLE or bool(at) != bool(match[1]):
             raise UnknownUnitName(match[2] if match else text)
         part = _TABLE[match[2]]
         exponent = int(match[3] or 1) * (-1 if match[1] == "/" else 1)

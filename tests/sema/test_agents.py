@@ -1,0 +1,152 @@
+"""Agents: dynamics, bounds, starts, families."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stlc.errors import MissionError
+from stlc.mission import Agent, Mission, PolygonKind
+
+
+def agent(text: str, name: str = "a") -> Agent:
+    return Mission.from_text(f"horizon 3\n{text}\nrequire: always {name}.u[0] <= 99\n").agents[name]
+
+
+def codes(text: str) -> list[str]:
+    with pytest.raises(MissionError) as caught:
+        agent(text)
+    return [d.code for d in caught.value.diagnostics]
+
+
+def test_a_double_integrator_equals_its_discretised_matrices() -> None:
+    named = agent("step 0.5 s\nagent a : double_integrator { start (1, 2) }").dynamics
+    matrices = agent(
+        "step 0.5 s\ndynamics d { continuous; states px py vx vy; inputs ux uy\n"
+        "A = [[0, 0, 1, 0], [0, 0, 0, 1], [0, 0, 0, 0], [0, 0, 0, 0]]\n"
+        "B = [[0, 0], [0, 0], [1, 0], [0, 1]] }\nagent a : d { start (1, 2) }"
+    ).dynamics
+    assert np.allclose(named.A, matrices.A)
+    assert np.allclose(named.B, matrices.B)
+    assert matrices.exact_quadratic
+    assert matrices.state_units == ("m", "m", "m/s", "m/s")
+    assert matrices.position is not None
+    assert named.position is not None
+    assert np.array_equal(named.position, matrices.position)
+
+
+def test_zero_order_hold_of_a_damped_system_with_drift() -> None:
+    dynamics = agent(
+        "step 2 s\ndynamics d { continuous; A = [[-0.5]]; B = [[3]]; c = [1] }\n"
+        "agent a : d { start 1 }"
+    ).dynamics
+    decay = np.exp(-1.0)
+    assert dynamics.A[0, 0] == pytest.approx(decay)
+    assert dynamics.B[0, 0] == pytest.approx(3 * (1 - decay) / 0.5)
+    assert dynamics.drift[0] == pytest.approx((1 - decay) / 0.5)
+    assert dynamics.position is None
+
+
+def test_velocity_only_inputs_are_not_a_double_integrator() -> None:
+    dynamics = agent(
+        "dynamics d { states px py vx vy; inputs ux uy\n"
+        "A = [[1, 0, 1, 0], [0, 1, 0, 1], [0, 0, 1, 0], [0, 0, 0, 1]]\n"
+        "B = [[0, 0], [0, 0], [1, 0], [0, 1]] }\nagent a : d { start (1, 2, 0.5, 0) }"
+    ).dynamics
+    assert not dynamics.exact_quadratic
+
+
+def test_bounds() -> None:
+    found = agent(
+        """
+agent a : double_integrator {
+  start (1, 1, 0.5, 0)
+  control |u| <= 1 m/s^2
+  ux <= 0.5
+  px in [0, 10]
+  py >= -3 m
+  state |v| <= 2
+  speed <= 3 polygon 8 outer
+  effort_state (0, 0, 1, 2)
+  effort_input 3
+}"""
+    )
+    assert np.array_equal(found.start, [1, 1, 0.5, 0])
+    assert np.array_equal(found.input_lower, [-1, -1])
+    assert np.array_equal(found.input_upper, [0.5, 1])
+    assert np.array_equal(found.state_lower, [0, -3, -2, -2])
+    assert np.array_equal(found.state_upper, [10, np.inf, 2, 2])
+    assert np.array_equal(found.effort_state, [0, 0, 1, 2])
+    assert np.array_equal(found.effort_input, [3, 3])
+    (norm,) = found.state_norms
+    assert (norm.indices, norm.limit, norm.sides) == ((2, 3), 3.0, 8)
+    assert norm.kind is PolygonKind.OUTER
+
+
+def test_speed_is_inscribed_unless_said() -> None:
+    (norm,) = agent("agent a : double_integrator { start (1, 1); speed <= 2 }").state_norms
+    assert norm.kind is PolygonKind.INSCRIBED
+
+
+def test_the_speed_of_a_single_integrator_is_its_input() -> None:
+    found = agent("agent a : single_integrator { start (1, 1); speed <= 2 m/s }")
+    assert found.input_norms[0].limit == 2.0
+
+
+def test_a_force_is_divided_by_the_mass() -> None:
+    found = agent("agent a : double_integrator { start (1, 1); mass 2 kg; control |u| <= 3 N }")
+    assert np.array_equal(found.input_upper, [1.5, 1.5])
+
+
+def test_bounds_of_the_dynamics_are_inherited() -> None:
+    found = agent(
+        "dynamics d = double_integrator { control |u| <= 1; speed <= 2 }\n"
+        "agent a : d { start (1, 1); control |u| <= 5 }"
+    )
+    assert np.array_equal(found.input_upper, [5, 5])
+    assert found.state_norms[0].limit == 2.0
+
+
+def test_turn_rate() -> None:
+    found = agent(
+        "agent a : double_integrator { start (1, 1, 1, 0); control |u| <= 1; speed <= 2;"
+        " turn_rate literal directions 12 }"
+    )
+    assert found.turn_rate is not None
+    assert (found.turn_rate.u_max, found.turn_rate.v_max) == (1.0, 2.0)
+    assert (found.turn_rate.directions, found.turn_rate.literal) == (12, True)
+
+
+def test_families_use_their_number() -> None:
+    mission = Mission.from_text(
+        "horizon 2\nagent uav[2..4] : double_integrator { start (2 * i, i) }\n"
+        "require: always forall a in uav: a.x >= uav[2].x\n"
+    )
+    assert list(mission.agents) == ["uav[2]", "uav[3]", "uav[4]"]
+    assert np.array_equal(mission.agents["uav[3]"].start, [6, 3, 0, 0])
+
+
+def test_outputs_are_linear_signals() -> None:
+    dynamics = agent(
+        "dynamics d { A = [[1]]; B = [[1]]; states level; inputs flow\n"
+        "output total = 2 * level - flow + 3 }\nagent a : d { start 1 }"
+    ).dynamics
+    c, d, constant, unit = dynamics.outputs["total"]
+    assert (c.tolist(), d.tolist(), constant, unit) == ([2.0], [-1.0], 3.0, "")
+
+
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        ("dynamics d { A = [[1]]; B = [[1]]; states p q }\nagent a : d { start 1 }", "E0208"),
+        ("dynamics d = circle\nagent a : d { start 1 }", "E0201"),
+        ("agent a : cart { start 1 }", "E0201"),
+        ("agent a : double_integrator { start (1, 1); px <= 3 dB }", "E0306"),
+        ("agent a : double_integrator { start (1 s, 1) }", "E0306"),
+        ("agent a : double_integrator { start (1, 1); mass -1 kg }", "E0208"),
+        ("agent a : double_integrator { start (1, 1); effort_input (1, -1) }", "E0208"),
+        ("dynamics d { A = [[1]]; B = [[1]]; position p q }\nagent a : d { start 1 }", "E0201"),
+    ],
+)
+def test_mistakes(text: str, code: str) -> None:
+    assert codes(text) == [code]
