@@ -96,7 +96,8 @@ def opposite_cap(args: Sequence[Node], scales: Mapping[str, float]) -> float:
             least[key] = min(least.get(key, math.inf), node.constant)
     cap = math.inf
     for (terms, unit), constant in least.items():
-        assert isinstance(terms, tuple) and isinstance(unit, str)
+        assert isinstance(terms, tuple)
+        assert isinstance(unit, str)
         mirror = (tuple((signal, -value) for signal, value in terms), unit)
         if mirror in least:
             cap = min(cap, (constant + least[mirror]) / 2 / scales.get(unit, 1.0))

@@ -16,7 +16,7 @@ from stlc.milp.context import Context, Ranges
 from stlc.milp.costs import add_objective
 from stlc.milp.dynamics import add_agents
 from stlc.milp.formula import Encoded, FormulaEncoder
-from stlc.milp.goals import Goal, goals_of, level_of
+from stlc.milp.goals import Goal, level_of
 from stlc.milp.links import LinkEncoder, LinkTables
 from stlc.milp.model import Floats, Ints, Model, Origin
 from stlc.milp.reach import reach
@@ -97,7 +97,7 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     )
     ctx = Context(mission, ModelBuilder(), program.ranges)
     add_agents(ctx)
-    goals = goals_of(mission, program.requirements, program.ranges, program.link_bounds)
+    goals = program.known_goals()
     rho = {goal: _add_goal(ctx, goal) for goal in goals}
     encoded = _add_requirements(ctx, program, goals, rho, tables, options)
     if "stages" not in options.disabled_passes:

@@ -56,9 +56,7 @@ def demands_of(
     found = []
     for owner, by_step in atoms.items():
         r, steps = ranges[owner], tuple(sorted(by_step))
-        boxes = [
-            box_of(by_step[t], margin, r.state_lower[t], r.state_upper[t]) for t in steps
-        ]
+        boxes = [box_of(by_step[t], margin, r.state_lower[t], r.state_upper[t]) for t in steps]
         lower, upper = (np.array([b[k] for b in boxes]) for k in range(2))
         found.append(Demand(column, owner, steps, lower, upper))
     return found

@@ -153,6 +153,7 @@ class FormulaEncoder:
         column = int(self.ctx.builder.binary("w", (1,))[0])
         if isinstance(node, Const):
             self._rows.add([column], [-1.0], 0.0)  # false: true never asks for a literal
+            return column
         if isinstance(node, Or):
             self._choose(node, [column])
             return column

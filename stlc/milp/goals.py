@@ -62,8 +62,13 @@ def goals_of(
     requirements: Sequence[Requirement],
     ranges: Mapping[str, Ranges],
     links: LinkBounds = unknown,
+    known: Sequence[Goal] = (),
 ) -> tuple[Goal, ...]:
-    """The robustness columns of the objective, with static ends; requirements are unrolled."""
+    """The robustness columns of the objective, with static ends; requirements are unrolled.
+
+    `known` are the goals of the same objective with earlier ends, which stay valid.
+    """
+    earlier = {(g.requirement, g.scales): g.high for g in known}
     weights: dict[tuple[str | None, Scales], float] = {}
     for term in mission.objective:
         if term.kind is TermKind.ROBUSTNESS:
@@ -72,7 +77,7 @@ def goals_of(
             key = (term.requirement, tuple(sorted(term.scales.items())))
             weights[key] = weights.get(key, 0.0) + term.weight
     return tuple(
-        _goal(name, scales, weight, requirements, ranges, links)
+        _goal(name, scales, weight, requirements, ranges, links, earlier.get((name, scales)))
         for (name, scales), weight in weights.items()
         if weight < 0
     )
@@ -85,10 +90,12 @@ def _goal(
     requirements: Sequence[Requirement],
     ranges: Mapping[str, Ranges],
     links: LinkBounds,
+    earlier: float | None,
 ) -> Goal:
     meant = [r for r in requirements if name in (None, r.name)]
     bounds = static_bounds([r.formula for r in meant], ranges, dict(scales), links)
-    high = min((bounds[r.formula][1] for r in meant), default=math.inf)
+    high = min([bounds[r.formula][1] for r in meant], default=math.inf)
+    high = high if earlier is None else min(high, earlier)
     low = min((_scaled_margin(r.margin, dict(scales)) for r in meant), default=0.0)
     return Goal(name, scales, weight, low, max(low, high))
 

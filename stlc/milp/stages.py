@@ -24,8 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stlc.ir.nodes import And, Linear, Node, Or, Role
-from stlc.milp.context import Ranges
 from stlc.milp.builder import ModelBuilder
+from stlc.milp.context import Ranges
 from stlc.milp.model import Floats, Ints
 from stlc.mission import Agent, Mission, Requirement
 
@@ -208,9 +208,7 @@ def _step_back(agent: Agent, ranges: Ranges, stages: Sequence[Stage], t: int) ->
     return np.asarray(may)
 
 
-def _hull(
-    may: Bools, low: Floats, high: Floats, stage: Stage, axis: int
-) -> tuple[Floats, Floats]:
+def _hull(may: Bools, low: Floats, high: Floats, stage: Stage, axis: int) -> tuple[Floats, Floats]:
     """Hull over the other end of the pairs that may be; empty where there is none."""
     mask = may[:, :, None]
     lower = np.where(mask, low, np.inf).min(axis=axis)
@@ -252,7 +250,11 @@ def _add_follow(
 
 
 def add_hulls(
-    builder: ModelBuilder, states: Ints, ranges: Ranges, stages: Stages, literals: Mapping[Node, Ints]
+    builder: ModelBuilder,
+    states: Ints,
+    ranges: Ranges,
+    stages: Stages,
+    literals: Mapping[Node, Ints],
 ) -> None:
     """x(t) >= sum_i lower_i z_i and x(t) <= sum_i upper_i z_i where that says more than ranges."""
     for t, stage in enumerate(stages.stages):

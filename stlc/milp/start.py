@@ -35,12 +35,17 @@ _NONE = np.empty(0, np.int64)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Start:
-    """A feasible point x (n,), its objective, and whether a static bound proves it optimal."""
+    """A feasible point x (n,), its objective, a static bound (lower) on it, and the LPs it took."""
 
     x: Floats
     objective: float
-    proven: bool
+    bound: float
     lps: int
+
+    @property
+    def proven(self) -> bool:
+        """Whether the bound proves it optimal."""
+        return self.objective <= self.bound + 1e-6 * max(1.0, abs(self.bound))
 
 
 def find_start(compiled: Compiled, most_lps: int = 400, seed: int = 0) -> Start | None:
@@ -55,16 +60,12 @@ def find_start(compiled: Compiled, most_lps: int = 400, seed: int = 0) -> Start 
     x, lps = _Search.of(compiled, column[0], column[2], seed).run(most_lps)
     if x is None:
         return None
-    objective = compiled.model.objective(x)
-    best = _static_bound(compiled.model)
-    return Start(x, objective, objective <= best + 1e-6 * max(1.0, abs(best)), lps)
+    return Start(x, compiled.model.objective(x), _static_bound(compiled.model), lps)
 
 
 def _static_bound(model: Model) -> float:
     used = np.flatnonzero(model.c)
-    ends = np.minimum(
-        model.c[used] * model.col_lower[used], model.c[used] * model.col_upper[used]
-    )
+    ends = np.minimum(model.c[used] * model.col_lower[used], model.c[used] * model.col_upper[used])
     return float(ends.sum()) + model.offset
 
 
@@ -255,7 +256,8 @@ def _load(model: Model, rho: int, target: float) -> Any:
     """The relaxation without costs, rho fixed, ready for warm dual simplex."""
     import highspy
 
-    lp, A = highspy.Highs(), model.A
+    make: Any = highspy.Highs
+    lp, A = make(), model.A
     for key, value in (("log_to_console", False), ("threads", 1), ("presolve", "off")):
         lp.setOptionValue(key, value)
     lower, upper = model.col_lower.copy(), model.col_upper.copy()

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from stlc.ir.nodes import Link, Node, Not
 from stlc.ir.verify import Stage
 from stlc.milp.context import Ranges
+from stlc.milp.goals import Goal, goals_of
 from stlc.milp.links import LinkTables
 from stlc.mission import Mission, Requirement
 
@@ -24,6 +25,13 @@ class Program:
     mission: Mission
     ranges: Mapping[str, Ranges] = field(default_factory=dict)
     tables: LinkTables | None = None
+    goals: tuple[Goal, ...] = ()
+
+    def known_goals(self) -> tuple[Goal, ...]:
+        """Robustness columns with the best ends that the ranges and earlier passes give."""
+        return goals_of(
+            self.mission, self.requirements, self.ranges, self.link_bounds, self.goals
+        )
 
     def with_formulas(self, formulas: Sequence[Node]) -> Program:
         """The same program over other formulas."""

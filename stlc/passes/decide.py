@@ -23,7 +23,7 @@ from stlc.ir.nodes import And, Const, Linear, Link, Node, Not, Or
 from stlc.ir.rewrite import postorder, with_children
 from stlc.ir.verify import Stage
 from stlc.milp.bounds import Interval, static_bounds, unit_of
-from stlc.milp.goals import Level, goals_of, level_of
+from stlc.milp.goals import Level, level_of
 from stlc.milp.reach import reach
 from stlc.milp.unreachable import unreachable
 from stlc.mission import Requirement
@@ -66,7 +66,7 @@ def _asserted(root: Node) -> list[Linear]:
 
 def _decide(program: Program) -> Program:
     links = program.link_bounds
-    goals = goals_of(program.mission, program.requirements, program.ranges, links)
+    goals = program.known_goals()
     bounds = static_bounds(program.formulas, program.ranges, None, links)
     known: dict[Node, Node] = {}
     formulas = []
@@ -76,7 +76,7 @@ def _decide(program: Program) -> Program:
         if formula == Const(False):
             raise unreachable(program.mission, requirement.name)
         formulas.append(formula)
-    return program.with_formulas(formulas)
+    return replace(program.with_formulas(formulas), goals=goals)
 
 
 def _decided(

@@ -8,8 +8,9 @@ over predicates of one agent at one step, keeping only what matters:
     predicates with one normal collapse to the tighter        (mu and mu + c = mu for c >= 0)
     a term that demands no less than another is absorbed      (x or (x and y) = x)
 
-Products are taken while the number of terms stays small, so nothing blows up. Obstacles become a choice of one maximal free polytope, which has one
-literal instead of one for each obstacle and a far tighter relaxation (see `milp/choice.py`).
+Products are taken while the number of terms stays small, so nothing blows up. Obstacles become a
+choice of one maximal free polytope, which has one literal instead of one for each obstacle and a
+far tighter relaxation (see `milp/choice.py`).
 
 Needs: decide (for pruned alternatives). Guarantees: the runs with robustness >= margin are the
 same, and on them so is the robustness (min and max distribute over each other).
@@ -35,9 +36,7 @@ _Place = tuple[str, int]
 
 def run(program: Program) -> Program:
     """Multiply out in every requirement's top conjunction."""
-    return program.with_formulas(
-        [_rebuilt(r.formula, r.margin) for r in program.requirements]
-    )
+    return program.with_formulas([_rebuilt(r.formula, r.margin) for r in program.requirements])
 
 
 def _rebuilt(formula: Node, margin: float) -> Node:
@@ -137,7 +136,9 @@ def _demands(term: _Term, weaker: _Term) -> bool:
 def _formula(product: list[_Term], span: Span | None) -> Node:
     alternatives: list[Node] = []
     for term in product:
-        atoms = tuple(Linear(terms, constant, unit, span=span) for (terms, unit), constant in term.items())
+        atoms = tuple(
+            Linear(terms, constant, unit, span=span) for (terms, unit), constant in term.items()
+        )
         alternatives.append(atoms[0] if len(atoms) == 1 else And(atoms))
     return alternatives[0] if len(alternatives) == 1 else Or(tuple(alternatives), span=span)
 

@@ -62,7 +62,8 @@ def _narrowed(stages: Stages, ranges: Ranges) -> Ranges:
     high = np.array([-_least(-s.upper, s.alive) for s in stages.stages]) + 1e-9
     low, high = np.maximum(ranges.state_lower, low), np.minimum(ranges.state_upper, high)
     crossed = low > high
-    low, high = np.where(crossed, ranges.state_lower, low), np.where(crossed, ranges.state_upper, high)
+    low = np.where(crossed, ranges.state_lower, low)
+    high = np.where(crossed, ranges.state_upper, high)
     position = position_ranges(stages.agent.dynamics.position, low, high)
     return Ranges(low, high, ranges.input_lower, ranges.input_upper, *position)
 
