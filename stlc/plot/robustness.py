@@ -10,6 +10,7 @@ from stlc.ir.nodes import Linear, Link, walk
 from stlc.mission import Mission
 from stlc.plan import RequirementValue
 from stlc.plot.style import BAD, GOOD, SMALL
+from stlc.verify.report import tidy
 from stlc.verify.robustness import TOLERANCE, unit
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def _short(name: str) -> str:
 def _value(r: RequirementValue, unit_name: str) -> str:
     if r.robustness is None:
         return "can't be judged"
-    return f"{r.robustness:.3g} {unit_name}".rstrip()
+    return f"{tidy(r.robustness, 3)} {unit_name}".rstrip()
 
 
 def _unit(mission: Mission, name: str) -> str:
@@ -77,7 +78,7 @@ def _tops(requirements: Sequence[RequirementValue], units: dict[str, str]) -> di
     for r in requirements:
         size = abs(r.robustness or 0.0)
         size = max(size if math.isfinite(size) else 0.0, abs(r.margin))
-        tops[units[r.name]] = max(tops.get(units[r.name], 1e-9), size)
+        tops[units[r.name]] = max(tops.get(units[r.name], TOLERANCE), size)
     return tops
 
 

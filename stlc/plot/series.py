@@ -161,14 +161,17 @@ def draw_links(axes: Axes, mission: Mission, plan: Plan, panel: LinkPanel) -> No
         )  # fmt: skip
         if strong:
             _chance_level(axes, plan, panel, s, colour)
-    _thresholds(axes, panel)
     title, label = _TITLES[panel.key]
     several = len(mission.channels) > 1
     axes.set_title(f"{title} ({panel.channel})" if several else title, pad=18)
     axes.set_ylabel(label)
+    for level in {p.threshold for p in panel.predicates}:
+        axes.axhline(level, color="black", linewidth=1.0, linestyle=(0, (5, 2)), zorder=5)
     if panel.key == "ber":
         axes.set_yscale("log")
         axes.set_ylim(bottom=max(axes.get_ylim()[0], 1e-12))
+    axes.set_ylim(axes.get_ylim())  # final from here on
+    _threshold_labels(axes, panel)
     rest = len(series) - len(named)
     if rest:
         axes.plot([], [], color=QUIET, linewidth=0.7, label=f"{rest} more pairs")
@@ -209,15 +212,25 @@ def _chance_level(
                   label=f"{100 * p.probability:g} % level")  # fmt: skip
 
 
-def _thresholds(axes: Axes, panel: LinkPanel) -> None:
-    """A dashed line for each distinct threshold, its value written at the right edge."""
-    levels = sorted({(p.threshold, p.relation) for p in panel.predicates}, key=lambda x: x[0])
-    for level, relation in levels:
-        axes.axhline(level, color="black", linewidth=1.0, linestyle=(0, (5, 2)), zorder=5)
-        mark = (
-            "\N{GREATER-THAN OR EQUAL TO}"
-            if relation is Relation.AT_LEAST
-            else ("\N{LESS-THAN OR EQUAL TO}")
-        )
-        axes.annotate(f"{mark} {level:g}", (1.0, level), (3, 0), va="center", fontsize=SMALL,
-                      xycoords=axes.get_yaxis_transform(), textcoords="offset points")  # fmt: skip
+def _threshold_labels(axes: Axes, panel: LinkPanel) -> None:
+    """The value of each distinct threshold, at the right edge."""
+    levels = sorted({(p.threshold, p.relation.value) for p in panel.predicates})
+    for (level, relation), place in zip(levels, _spread(axes, [x for x, _ in levels]), strict=True):
+        axes.annotate(f"{_MARKS[relation]} {level:g}", (1.0, place), (3, 0), va="center",
+                      xycoords="axes fraction", textcoords="offset points",
+                      fontsize=SMALL)  # fmt: skip
+
+
+_MARKS = {">=": "\N{GREATER-THAN OR EQUAL TO}", "<=": "\N{LESS-THAN OR EQUAL TO}"}
+_APART = 0.085  # share of a panel's height that one line of small text takes
+
+
+def _spread(axes: Axes, levels: Sequence[float]) -> list[float]:
+    """Heights (axes fraction) of labels of rising levels, moved apart where they would overlap."""
+    scale = axes.yaxis.get_transform().transform
+    low, high = scale(np.array(axes.get_ylim()))
+    places: list[float] = []
+    for level in levels:
+        place = float((scale(np.array([level]))[0] - low) / (high - low))
+        places.append(max(place, places[-1] + _APART) if places else place)
+    return places

@@ -148,6 +148,11 @@ class Report:
         return json.dumps(self.as_dict(), indent=2, allow_nan=False) + "\n"
 
 
+def tidy(value: float, digits: int = 6) -> str:
+    """A number for a person; rounding errors about zero are zero."""
+    return f"{0.0 if abs(value) < 1e-9 else value:.{digits}g}"
+
+
 def _verdict(report: Report) -> str:
     if not report.ok:
         count = len(report.violations)
@@ -161,7 +166,7 @@ def _requirement_lines(requirements: tuple[RequirementReport, ...]) -> list[str]
     width = max(len(r.name) for r in requirements)
     lines = ["  requirement" + " " * max(width - 9, 2) + "robustness"]
     for r in requirements:
-        value = "can't be judged" if r.robustness is None else f"{r.robustness:.6g}"
+        value = "can't be judged" if r.robustness is None else tidy(r.robustness)
         unit = f" {r.critical[1]}" if r.critical and r.critical[1] else ""
         step = f"  at step {r.critical[0]}" if r.critical else ""
         margin = f"  (margin {r.margin:g})" if r.margin else ""
@@ -173,9 +178,9 @@ def _requirement_lines(requirements: tuple[RequirementReport, ...]) -> list[str]
 def _further(r: RequirementReport) -> str:
     parts = []
     if r.true is not None and r.robustness is not None:
-        parts.append(f"at true positions {r.true:.6g}")
+        parts.append(f"at true positions {tidy(r.true)}")
     if r.swept is not None:
-        parts.append(f"in continuous time {r.swept:.6g}")
+        parts.append(f"in continuous time {tidy(r.swept)}")
     return f"  [{', '.join(parts)}]" if parts else ""
 
 
@@ -183,8 +188,9 @@ def _objective_lines(report: Report) -> list[str]:
     if report.objective is None or not report.terms:
         return []
     low, high = report.objective
-    between = "" if high - low <= 1e-9 * max(1.0, abs(high)) else f" to {high:.8g} (ties)"
-    lines = [f"  objective {low:.8g}{between}"]
+    tied = high - low > 1e-9 * max(1.0, abs(high))
+    remark = f" (cheapest of tied cells; {high:.8g} with the dearest)" if tied else ""
+    lines = [f"  objective {low:.8g}{remark}"]
     return lines + [f"    {t.weight:+g} x {t.name} = {t.low:.8g}" for t in report.terms]
 
 
