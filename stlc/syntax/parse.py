@@ -16,7 +16,6 @@ from stlc.syntax.lalr import MAX_DEPTH, Builder, Stuck, TooDeep, run
 from stlc.syntax.screen import oversized, stray
 from stlc.syntax.split import Chunk, split, statement_words
 from stlc.syntax.tokens import BAD, COMMENT, NAME, STRING, Token, tokenize
-from stlc.syntax.trouble import Explained, Trouble, explain
 
 MAX_MISTAKES: Final = 50
 
@@ -110,16 +109,19 @@ class _Parser:
         if isinstance(outcome, Stuck | TooDeep):
             del self.builder.mixes.warnings[noticed:]  # of half a statement
         match outcome:
-            case Stuck(state, index):
-                self._recover(explain(Trouble(self.source, raw, tokens, state, index)))
+            case Stuck():
+                self._recover(raw, tokens, outcome)
             case TooDeep(start, end):
                 span = self.source.span(start, end)
                 self.mistakes.append(NestingTooDeep(span=span, limit=MAX_DEPTH))
             case _:
                 self.statements.append(outcome)
 
-    def _recover(self, explained: Explained) -> None:
+    def _recover(self, raw: list[Token], tokens: list[Token], stuck: Stuck) -> None:
         """Report the mistake; go on with the parts before and after a line that is alien."""
+        from stlc.syntax.trouble import Trouble, explain  # only mistakes need explanations
+
+        explained = explain(Trouble(self.source, raw, tokens, stuck.state, stuck.index))
         if explained.before:
             self._statement(list(explained.before))
         self.mistakes.append(explained.mistake)
