@@ -35,10 +35,13 @@ def draw_robustness(axes: Axes, mission: Mission, requirements: Sequence[Require
         edge = max(share, 0.0, r.margin / tops[units[r.name]])
         axes.annotate(_value(r, units[r.name]), (edge, row), (4, 0), va="center",
                       textcoords="offset points", fontsize=SMALL)  # fmt: skip
-    _frame(axes, [r.name for r in shown], len(requirements) - len(shown))
+    remarks = ["bars scaled for each unit"] if len(tops) > 1 else []
+    if len(shown) < len(requirements):
+        remarks.append(f"{len(requirements) - len(shown)} larger ones left out")
+    _frame(axes, [r.name for r in shown], "; ".join(remarks))
 
 
-def _frame(axes: Axes, names: Sequence[str], left_out: int) -> None:
+def _frame(axes: Axes, names: Sequence[str], remark: str) -> None:
     axes.axvline(0.0, color="black", linewidth=1.0)
     low = min([0.0, *(bar.get_width() for bar in axes.patches)])  # type: ignore[attr-defined]
     axes.set_xlim(1.1 * low, 1.45)
@@ -50,9 +53,6 @@ def _frame(axes: Axes, names: Sequence[str], left_out: int) -> None:
     axes.spines["left"].set_visible(False)
     axes.tick_params(left=False)
     axes.set_title("Robustness")
-    remark = "bars scaled for each unit" + (
-        f"; {left_out} larger ones left out" if left_out else ""
-    )
     axes.set_xlabel(remark, fontsize=SMALL, color="#606060")
 
 
