@@ -14,6 +14,7 @@ from pathlib import Path
 
 from stlc.backends import cbc_log
 from stlc.backends.base import Capability, Floats, Solution, SolveOptions, Status
+from stlc.backends.command import last_line, run
 from stlc.backends.support import (
     claimed_bound,
     ignored,
@@ -27,8 +28,6 @@ from stlc.milp.model import Model
 from stlc.milp.readers import read_solution
 from stlc.milp.writers.mps import mps_chunks
 from stlc.milp.writers.names import plain_texts
-
-_GRACE = 30.0  # s that a solver may overrun its own time limit before it is terminated
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +67,7 @@ class External:
         with tempfile.TemporaryDirectory(prefix="stlc-") as folder:
             files = Files.inside(Path(folder))
             _write(model, files, options)
-            log = _run(self._command(files, options), options, folder)
+            log = run(self._command(files, options), options, folder)
             x = _point(files, model)
             text = log + _head(files.solution)
         status = _verdict(self.template, text, x is not None)
@@ -89,7 +88,7 @@ class External:
             self.name,
             self.version(),
             ignored(self, options),
-            _last_line(log),
+            last_line(log),
         )
 
     def _found(self) -> str | None:
@@ -120,11 +119,11 @@ def external(name: str, executable: str | None = None) -> External:
 def _version(executable: str, template: Template) -> str:
     if not executable or not template.version_argument:
         return template.binary or "external command"
-    run = subprocess.run(
+    said = subprocess.run(
         [executable, template.version_argument],
         capture_output=True, text=True, timeout=30, check=False, stdin=subprocess.DEVNULL,
     )  # fmt: skip
-    found = re.search(template.version_pattern, run.stdout + run.stderr)
+    found = re.search(template.version_pattern, said.stdout + said.stderr)
     return f"{template.title} {found[1]}" if found else template.title
 
 
@@ -135,46 +134,6 @@ def _write(model: Model, files: Files, options: SolveOptions) -> None:
         rows = enumerate(options.start.tolist())
         head = "Stopped on time - objective value 0\n"
         files.start.write_text(head + "".join(f"{j} c{j} {v!r} 0\n" for j, v in rows))
-
-
-def _run(command: list[str], options: SolveOptions, folder: str) -> str:
-    limit = None if options.time_limit is None else options.time_limit + _GRACE
-    log, began = Path(folder) / "log.txt", time.monotonic()
-    with log.open("wb") as stream:
-        try:
-            process = subprocess.Popen(
-                command, stdout=stream, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
-                cwd=folder,
-            )  # fmt: skip
-        except OSError as error:
-            raise SolverError(f"cannot run {command[0]}: {error.strerror}") from error
-        try:
-            while process.poll() is None and not _expired(options, began, limit):
-                time.sleep(0.02)
-        finally:
-            _end(process)
-    text = log.read_text(errors="replace")
-    if process.returncode > 0:
-        raise SolverError(
-            f"{command[0]} ended with status {process.returncode}: {_last_line(text)}"
-        )
-    return text
-
-
-def _expired(options: SolveOptions, began: float, limit: float | None) -> bool:
-    late = limit is not None and time.monotonic() - began > limit
-    return late or (options.should_stop is not None and options.should_stop())
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    if process.poll() is not None:
-        return
-    process.terminate()
-    try:
-        process.wait(1.0)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()
 
 
 def _point(files: Files, model: Model) -> Floats | None:
@@ -207,7 +166,3 @@ def _verdict(template: Template, text: str, has_point: bool) -> Status | None:
         if pattern and re.search(pattern, text, re.MULTILINE):
             return status
     return Status.FEASIBLE if has_point else Status.NO_SOLUTION
-
-
-def _last_line(text: str) -> str:
-    return next((line.strip() for line in reversed(text.splitlines()) if line.strip()), "")

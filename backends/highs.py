@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
-from stlc.backends.base import Capability, Progress, Solution, SolveOptions, Status
+from stlc.backends.base import Capability, Solution, SolveOptions, Status
+from stlc.backends.highs_session import SCHEDULER, listen
 from stlc.backends.support import (
     Worker,
     finite,
@@ -24,33 +22,6 @@ from stlc.backends.support import (
 )
 from stlc.errors import SolverError
 from stlc.milp.model import Model
-
-
-class _Scheduler:
-    """HiGHS keeps one thread pool a process: it may only be resized while nothing is solved."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._active = 0
-        self._threads = 0
-
-    @contextmanager
-    def claim(self, threads: int) -> Iterator[bool]:
-        """Yield whether the pool has (or was given) the size asked for; 0 is HiGHS's choice."""
-        with self._lock:
-            if threads != self._threads and self._active == 0:
-                _highspy().Highs.resetGlobalScheduler(True)
-                self._threads = threads
-            granted = threads == self._threads
-            self._active += 1
-        try:
-            yield granted
-        finally:
-            with self._lock:
-                self._active -= 1
-
-
-_SCHEDULER = _Scheduler()
 
 
 def _highspy() -> Any:
@@ -80,10 +51,10 @@ class Highs:
         if (answer := trivial(self, model, options)) is not None:
             return answer
         began = time.perf_counter()
-        with _SCHEDULER.claim(options.threads or 0) as granted:
+        with SCHEDULER.claim(options.threads or 0) as granted:
             h, worker = _loaded(model), Worker(options)
             _configure(h, options, granted)
-            _listen(h, worker, model)
+            listen(h, worker, model)
             worker.run(lambda: _check(h.run(), "run"))
             return self._read(h, model, options, granted, time.perf_counter() - began)
 
@@ -144,37 +115,6 @@ def _configure(h: Any, options: SolveOptions, granted: bool) -> None:
     if options.start is not None:
         columns = np.arange(len(options.start), dtype=np.int32)
         _check(h.setSolution(len(columns), columns, options.start), "setSolution")
-
-
-def _listen(h: Any, worker: Worker, model: Model) -> None:
-    def interrupt(event: Any) -> None:
-        event.interrupt(worker.stopping())
-
-    def progress(event: Any) -> None:
-        worker.report(_progress(event.data_out))
-
-    def incumbent(event: Any) -> None:
-        out = event.data_out
-        x = np.array(out.mip_solution, dtype=float)
-        bound, nodes = finite(out.mip_dual_bound), int(out.mip_node_count)
-        objective = finite(out.objective_function_value)
-        worker.report(Progress(out.running_time, objective, bound, nodes, x))
-
-    h.cbSimplexInterrupt.subscribe(interrupt)
-    h.cbIpmInterrupt.subscribe(interrupt)
-    h.cbMipInterrupt.subscribe(interrupt)
-    if worker.options.on_progress is not None and model.integrality.any():
-        h.cbMipLogging.subscribe(progress)
-        h.cbMipImprovingSolution.subscribe(incumbent)
-
-
-def _progress(out: Any) -> Progress:
-    return Progress(
-        out.running_time,
-        finite(out.mip_primal_bound),
-        finite(out.mip_dual_bound),
-        int(out.mip_node_count),
-    )
 
 
 def _has_point(h: Any) -> bool:
