@@ -131,7 +131,7 @@ class ExprBuilder:
         return ast.Comparison(self.span(start, end), (first, *tail[1::2]), tuple(tail[::2]))
 
     def inside(self, start: int, end: int, c: Children) -> ast.Expr:
-        return ast.Membership(self.span(start, end), c[0], "in", c[1])
+        return ast.Membership(self.span(start, end), c[0], "in", c[1], c[2] is not None)
 
     def outside(self, start: int, end: int, c: Children) -> ast.Expr:
         return ast.Membership(self.span(start, end), c[0], "outside", c[1], c[2] is not None)
