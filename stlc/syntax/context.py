@@ -8,55 +8,19 @@ absolute value where an operand is due and closes it otherwise.
 
 from __future__ import annotations
 
-from functools import cache
-from typing import Final
-
-from stlc.grammar import tables
+from stlc.syntax.neighbours import (
+    NAMED,
+    NOTHING,
+    QUANTIFIERS,
+    SHAPED,
+    TEMPORAL,
+    Neighbours,
+    plain,
+    symbol_terminals,
+    word_terminals,
+)
 from stlc.syntax.split import statement_words
 from stlc.syntax.tokens import NAME, NEWLINE, NUMBER, STRING, SYMBOL, Token
-
-UNARY: Final = frozenset({"ALWAYS", "EVENTUALLY", "NEXT", "NOT"})
-TEMPORAL: Final = frozenset({"ALWAYS", "EVENTUALLY", "NEXT", "UNTIL", "RELEASE"})
-BINARY: Final = frozenset(
-    {"UNTIL", "RELEASE", "AND", "OR", "IMPLIES", "IFF", "IN", "OUTSIDE", "SWEPT"}
-)
-_CONNECTIVES: Final = frozenset({"AND", "OR", "IMPLIES", "IFF"})
-QUANTIFIERS: Final = frozenset({"FORALL", "EXISTS", "SUM"})
-SHAPED: Final = frozenset({"ST_WORKSPACE", "ST_REGION", "ST_OBSTACLE"})
-_NAMED: Final = frozenset(
-    {"ST_PARAM", "ST_DYNAMICS", "ST_AGENT", "ST_STATION", "ST_REGION", "ST_OBSTACLE"}
-    | {"ST_CHANNEL", "ST_LET"}
-)
-# Symbols after which a word in front of them was a name, not an operator.
-_NAME_BEFORE: Final = frozenset(
-    {"LE", "LT", "GE", "GT", "EQEQ", "NE", "PLUS", "STAR", "SLASH", "CARET", "EQ", "COLON"}
-    | {"COMMA", "DOT", "DOTS", "RPAR", "RSQB", "LBRACE", "RBRACE", "SEP"}
-    | {"AND", "OR", "IMPLIES", "IFF"}
-)
-_COMPARED: Final = frozenset({"LE", "LT", "GE", "GT", "EQEQ", "NE"})
-_NOTHING: Final = Token("$END", "", 0, 0)
-
-
-@cache
-def symbol_terminals() -> dict[str, str]:
-    """Terminal of each symbol; brackets and bars are refined by their place."""
-    special = {"CALL", "INDEX", "IVL", "ABS_OPEN", "ABS_CLOSE"}
-    return {
-        word: name
-        for name, words in tables().spellings.items()
-        if name not in special
-        for word in words
-        if not word[0].isalpha()
-    }
-
-
-@cache
-def word_terminals() -> dict[str, str]:
-    """Terminal of each word that can be an operator within an expression."""
-    kinds = UNARY | BINARY | QUANTIFIERS | {"TRUE", "FALSE"}
-    return {
-        word: kind for kind in kinds for word in tables().spellings[kind] if word[0].isalpha()
-    }
 
 
 def classify(tokens: list[Token]) -> list[Token]:
@@ -67,19 +31,10 @@ def classify(tokens: list[Token]) -> list[Token]:
     return _Context(tokens).run()
 
 
-class _Context:
-    """One walk over a statement. `frames` are the open brackets, bars included."""
+class _Context(Neighbours):
+    """One walk over a statement."""
 
-    __slots__ = ("at", "frames", "key_due", "operand", "out", "shaped", "tokens")
-
-    def __init__(self, tokens: list[Token]) -> None:
-        self.tokens = tokens
-        self.out: list[Token] = []
-        self.frames: list[str] = []
-        self.at = 0
-        self.operand = False  # the last token completes an operand
-        self.key_due = False  # a property starts here
-        self.shaped = False
+    __slots__ = ()
 
     def run(self) -> list[Token]:
         self._header()
@@ -98,33 +53,6 @@ class _Context:
             self.at += 1
         return self.out
 
-    # --- helpers ---------------------------------------------------------------------------
-
-    def _emit(self, kind: str, token: Token, *, operand: bool) -> None:
-        if token.kind != kind:
-            token = Token(kind, token.text, token.start, token.end)
-        self.out.append(token)
-        self.operand = operand
-
-    def _peek(self, ahead: int = 1) -> Token:
-        """The raw token that many places on, newlines not counted."""
-        position = self.at
-        while ahead:
-            position += 1
-            if position >= len(self.tokens):
-                return _NOTHING
-            ahead -= self.tokens[position].kind != NEWLINE
-        return self.tokens[position]
-
-    @property
-    def _last(self) -> str:
-        return self.out[-1].kind if self.out else ""
-
-    @property
-    def _in_property(self) -> bool:
-        """Directly within the braces of a block, where words and values stand side by side."""
-        return bool(self.frames) and self.frames[-1] == "{"
-
     # --- the first words of a statement ------------------------------------------------------
 
     def _header(self) -> None:
@@ -139,13 +67,13 @@ class _Context:
             self._signal()
         elif kind == "ST_REQUIRE":
             self._require()
-        elif kind in _NAMED:
+        elif kind in NAMED:
             self._plain_name()
             if kind == "ST_STATION" and self._here().text == "at":
                 self._take("AT", operand=False)
 
     def _here(self) -> Token:
-        return self.tokens[self.at] if self.at < len(self.tokens) else _NOTHING
+        return self.tokens[self.at] if self.at < len(self.tokens) else NOTHING
 
     def _take(self, kind: str, *, operand: bool) -> None:
         self._emit(kind, self._here(), operand=operand)
@@ -245,112 +173,6 @@ class _Context:
             return True
         return False
 
-    def _is_operator(self, kind: str, token: Token) -> bool:
-        if kind in ("TRUE", "FALSE"):
-            return True
-        if kind in QUANTIFIERS:
-            return not self.operand and self._quantifies(kind)
-        if self.operand:
-            return not (self._in_property and self._peek().kind == "$END")
-        if kind in UNARY:
-            return self._takes_operand(token)
-        # Where an operand is due a binary word is a name; if an operand follows, it is a mistake
-        # that the parser reports at the operator.
-        after = self._peek()
-        wanting = len(token.text) > 1 and after.text not in ("-", "−")
-        return wanting and self._begins_operand(after, self._peek(2))
-
-    def _quantifies(self, kind: str) -> bool:
-        first, second = self._peek(), self._peek(2)
-        if kind == "SUM" and first.text == "(":
-            return self._after_bracket(1).text == "in"
-        if kind == "SUM":
-            return first.kind == NAME and second.text == "in"
-        named = first.kind == NAME and (first.text != "in" or second.text == "in")
-        return named or first.text == "("
-
-    def _takes_operand(self, token: Token) -> bool:
-        """Whether a unary operator's word is the operator here, and not a name."""
-        after = self._peek()
-        long = len(token.text) > 2
-        if self._in_property and not long and self._line_ends():
-            return False
-        if after.text == "[":
-            return long or self._is_interval()
-        if after.text in ("|", "||"):
-            return long or self._hugs(after)
-        if after.text == "(" and after.start == token.end and self._several_arguments():
-            return False
-        if after.text in ("-", "−"):
-            return long
-        if long and (after.kind == "$END" or word_terminals().get(after.text) in _CONNECTIVES):
-            return word_terminals().get(self._peek(2).text) not in BINARY
-        return self._begins_operand(after, self._peek(2))
-
-    def _line_ends(self) -> bool:
-        beyond = self.tokens[self.at + 1 : self.at + 2]
-        return not beyond or beyond[0].kind == NEWLINE
-
-    def _several_arguments(self) -> bool:
-        """Whether the parentheses that follow hold nothing, or values with commas between them."""
-        depth = 0
-        for position in range(self.at + 1, len(self.tokens)):
-            text = self.tokens[position].text
-            depth += (text in ("(", "[", "{")) - (text in (")", "]", "}"))
-            if depth == 0:
-                return position == self.at + 2
-            if depth == 1 and text == ",":
-                return True
-        return False
-
-    def _is_interval(self) -> bool:
-        """Whether the bracket that follows is an interval and not the index of a family."""
-        beyond = self._after_bracket(1)
-        if self._peek(2).text in ("]", "") or self._peek(3).text == "]":
-            minus = beyond.text in ("-", "−")
-            return not minus and self._begins_operand(beyond, _NOTHING)
-        return self._begins_operand(beyond, _NOTHING) or beyond.kind == "$END"
-
-    def _hugs(self, bar: Token) -> bool:
-        """A bar with a blank before and none after it opens an absolute value."""
-        spaced = self.tokens[self.at].end < bar.start
-        return spaced and self._peek(2).start == bar.end
-
-    def _begins_operand(self, first: Token, second: Token) -> bool:
-        if first.kind == "$END":
-            return False
-        if first.kind == SYMBOL:
-            kind = symbol_terminals()[_plain(first.text)]
-            return kind not in _NAME_BEFORE or first.text == "|"
-        if first.kind != NAME:
-            return True
-        word = word_terminals().get(first.text)
-        if word not in BINARY:
-            return True
-        # A binary word as first word of an operand is a name: `always in > 3`.
-        kind = symbol_terminals().get(second.text, "")
-        if word == "SWEPT":
-            return kind in _COMPARED
-        if len(first.text) == 1 and second.kind == "$END":
-            return True
-        if len(second.text) > 1 and word_terminals().get(second.text) in BINARY:
-            return True
-        return kind in _NAME_BEFORE - {"LBRACE"} and second.text != "|"
-
-    def _after_bracket(self, ahead: int) -> Token:
-        """The raw token after the bracket that opens `ahead` tokens on is closed."""
-        depth = 0
-        position = self.at + ahead
-        while position < len(self.tokens):
-            text = self.tokens[position].text
-            depth += (text in ("(", "[", "{")) - (text in (")", "]", "}"))
-            position += 1
-            if depth == 0:
-                break
-        while position < len(self.tokens) and self.tokens[position].kind == NEWLINE:
-            position += 1
-        return self.tokens[position] if position < len(self.tokens) else _NOTHING
-
     # --- symbols -----------------------------------------------------------------------------
 
     def _symbol(self, token: Token) -> None:
@@ -374,7 +196,7 @@ class _Context:
             if text == ";" or not self._listing():
                 self._separate(token)
         else:
-            self._emit(symbol_terminals()[_plain(text)], token, operand=False)
+            self._emit(symbol_terminals()[plain(text)], token, operand=False)
             self.key_due = False
 
     def _open(self, token: Token) -> None:
@@ -435,7 +257,7 @@ class _Context:
     def _listing(self) -> bool:
         """Whether a comma stands within a list of bare words: `states px, vx, py, vy`."""
         after = self._peek()
-        beyond = self.tokens[self.at + 2] if self.at + 2 < len(self.tokens) else _NOTHING
+        beyond = self.tokens[self.at + 2] if self.at + 2 < len(self.tokens) else NOTHING
         ends = beyond.kind == NEWLINE or beyond.text in (",", ";", "}")
         if self._last != NAME or after.kind != NAME or not ends:
             return False
@@ -456,8 +278,3 @@ class _Context:
             self.out.pop()
         self.key_due = False
         self._emit("RBRACE", token, operand=True)
-
-
-def _plain(symbol: str) -> str:
-    """`[ ]` is `[]`."""
-    return "[]" if symbol[0] == "[" and symbol[-1] == "]" else symbol

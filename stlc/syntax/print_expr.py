@@ -10,8 +10,8 @@ import re
 from typing import Final
 
 from stlc.syntax import ast
-from stlc.syntax.context import word_terminals
 from stlc.syntax.mixes import unclear
+from stlc.syntax.neighbours import word_terminals
 from stlc.syntax.units import UNITS
 
 _IFF, _IMPLIES, _OR, _AND, _UNTIL, _UNARY, _MEMBER, _COMPARE = range(1, 9)

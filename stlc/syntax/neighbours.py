@@ -1,0 +1,206 @@
+"""What a word or bracket is, judged by its neighbours; the walk itself is in `context.py`."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Final
+
+from stlc.grammar import tables
+from stlc.syntax.tokens import NAME, NEWLINE, SYMBOL, Token
+
+UNARY: Final = frozenset({"ALWAYS", "EVENTUALLY", "NEXT", "NOT"})
+TEMPORAL: Final = frozenset({"ALWAYS", "EVENTUALLY", "NEXT", "UNTIL", "RELEASE"})
+BINARY: Final = frozenset(
+    {"UNTIL", "RELEASE", "AND", "OR", "IMPLIES", "IFF", "IN", "OUTSIDE", "SWEPT"}
+)
+_CONNECTIVES: Final = frozenset({"AND", "OR", "IMPLIES", "IFF"})
+QUANTIFIERS: Final = frozenset({"FORALL", "EXISTS", "SUM"})
+SHAPED: Final = frozenset({"ST_WORKSPACE", "ST_REGION", "ST_OBSTACLE"})
+NAMED: Final = frozenset(
+    {"ST_PARAM", "ST_DYNAMICS", "ST_AGENT", "ST_STATION", "ST_REGION", "ST_OBSTACLE"}
+    | {"ST_CHANNEL", "ST_LET"}
+)
+# Symbols after which a word in front of them was a name, not an operator.
+_NAME_BEFORE: Final = frozenset(
+    {"LE", "LT", "GE", "GT", "EQEQ", "NE", "PLUS", "STAR", "SLASH", "CARET", "EQ", "COLON"}
+    | {"COMMA", "DOT", "DOTS", "RPAR", "RSQB", "LBRACE", "RBRACE", "SEP"}
+    | {"AND", "OR", "IMPLIES", "IFF"}
+)
+_COMPARED: Final = frozenset({"LE", "LT", "GE", "GT", "EQEQ", "NE"})
+NOTHING: Final = Token("$END", "", 0, 0)
+
+
+@cache
+def symbol_terminals() -> dict[str, str]:
+    """Terminal of each symbol; brackets and bars are refined by their place."""
+    special = {"CALL", "INDEX", "IVL", "ABS_OPEN", "ABS_CLOSE"}
+    return {
+        word: name
+        for name, words in tables().spellings.items()
+        if name not in special
+        for word in words
+        if not word[0].isalpha()
+    }
+
+
+@cache
+def word_terminals() -> dict[str, str]:
+    """Terminal of each word that can be an operator within an expression."""
+    kinds = UNARY | BINARY | QUANTIFIERS | {"TRUE", "FALSE"}
+    return {
+        word: kind for kind in kinds for word in tables().spellings[kind] if word[0].isalpha()
+    }
+
+
+def plain(symbol: str) -> str:
+    """`[ ]` is `[]`."""
+    return "[]" if symbol[0] == "[" and symbol[-1] == "]" else symbol
+
+
+class Neighbours:
+    """A place in a statement's tokens: what is behind (`out`, `frames`) and what is ahead.
+
+    `frames` are the open brackets, bars included.
+    """
+
+    __slots__ = ("at", "frames", "key_due", "operand", "out", "shaped", "tokens")
+
+    def __init__(self, tokens: list[Token]) -> None:
+        self.tokens = tokens
+        self.out: list[Token] = []
+        self.frames: list[str] = []
+        self.at = 0
+        self.operand = False  # the last token completes an operand
+        self.key_due = False  # a property starts here
+        self.shaped = False
+
+    def _emit(self, kind: str, token: Token, *, operand: bool) -> None:
+        if token.kind != kind:
+            token = Token(kind, token.text, token.start, token.end)
+        self.out.append(token)
+        self.operand = operand
+
+    def _peek(self, ahead: int = 1) -> Token:
+        """The raw token that many places on, newlines not counted."""
+        position = self.at
+        while ahead:
+            position += 1
+            if position >= len(self.tokens):
+                return NOTHING
+            ahead -= self.tokens[position].kind != NEWLINE
+        return self.tokens[position]
+
+    @property
+    def _last(self) -> str:
+        return self.out[-1].kind if self.out else ""
+
+    @property
+    def _in_property(self) -> bool:
+        """Directly within the braces of a block, where words and values stand side by side."""
+        return bool(self.frames) and self.frames[-1] == "{"
+
+    def _is_operator(self, kind: str, token: Token) -> bool:
+        if kind in ("TRUE", "FALSE"):
+            return True
+        if kind in QUANTIFIERS:
+            return not self.operand and self._quantifies(kind)
+        if self.operand:
+            return not (self._in_property and self._peek().kind == "$END")
+        if kind in UNARY:
+            return self._takes_operand(token)
+        # Where an operand is due a binary word is a name; if an operand follows, it is a mistake
+        # that the parser reports at the operator.
+        after = self._peek()
+        wanting = len(token.text) > 1 and after.text not in ("-", "−")
+        return wanting and self._begins_operand(after, self._peek(2))
+
+    def _quantifies(self, kind: str) -> bool:
+        first, second = self._peek(), self._peek(2)
+        if kind == "SUM" and first.text == "(":
+            return self._after_bracket(1).text == "in"
+        if kind == "SUM":
+            return first.kind == NAME and second.text == "in"
+        named = first.kind == NAME and (first.text != "in" or second.text == "in")
+        return named or first.text == "("
+
+    def _takes_operand(self, token: Token) -> bool:
+        """Whether a unary operator's word is the operator here, and not a name."""
+        after = self._peek()
+        long = len(token.text) > 2
+        if self._in_property and not long and self._line_ends():
+            return False
+        if after.text == "[":
+            return long or self._is_interval()
+        if after.text in ("|", "||"):
+            return long or self._hugs(after)
+        if after.text == "(" and after.start == token.end and self._several_arguments():
+            return False
+        if after.text in ("-", "−"):
+            return long
+        if long and (after.kind == "$END" or word_terminals().get(after.text) in _CONNECTIVES):
+            return word_terminals().get(self._peek(2).text) not in BINARY
+        return self._begins_operand(after, self._peek(2))
+
+    def _line_ends(self) -> bool:
+        beyond = self.tokens[self.at + 1 : self.at + 2]
+        return not beyond or beyond[0].kind == NEWLINE
+
+    def _several_arguments(self) -> bool:
+        """Whether the parentheses that follow hold nothing, or values with commas between them."""
+        depth = 0
+        for position in range(self.at + 1, len(self.tokens)):
+            text = self.tokens[position].text
+            depth += (text in ("(", "[", "{")) - (text in (")", "]", "}"))
+            if depth == 0:
+                return position == self.at + 2
+            if depth == 1 and text == ",":
+                return True
+        return False
+
+    def _is_interval(self) -> bool:
+        """Whether the bracket that follows is an interval and not the index of a family."""
+        beyond = self._after_bracket(1)
+        if self._peek(2).text in ("]", "") or self._peek(3).text == "]":
+            minus = beyond.text in ("-", "−")
+            return not minus and self._begins_operand(beyond, NOTHING)
+        return self._begins_operand(beyond, NOTHING) or beyond.kind == "$END"
+
+    def _hugs(self, bar: Token) -> bool:
+        """A bar with a blank before and none after it opens an absolute value."""
+        spaced = self.tokens[self.at].end < bar.start
+        return spaced and self._peek(2).start == bar.end
+
+    def _begins_operand(self, first: Token, second: Token) -> bool:
+        if first.kind == "$END":
+            return False
+        if first.kind == SYMBOL:
+            kind = symbol_terminals()[plain(first.text)]
+            return kind not in _NAME_BEFORE or first.text == "|"
+        if first.kind != NAME:
+            return True
+        word = word_terminals().get(first.text)
+        if word not in BINARY:
+            return True
+        # A binary word as first word of an operand is a name: `always in > 3`.
+        kind = symbol_terminals().get(second.text, "")
+        if word == "SWEPT":
+            return kind in _COMPARED
+        if len(first.text) == 1 and second.kind == "$END":
+            return True
+        if len(second.text) > 1 and word_terminals().get(second.text) in BINARY:
+            return True
+        return kind in _NAME_BEFORE - {"LBRACE"} and second.text != "|"
+
+    def _after_bracket(self, ahead: int) -> Token:
+        """The raw token after the bracket that opens `ahead` tokens on is closed."""
+        depth = 0
+        position = self.at + ahead
+        while position < len(self.tokens):
+            text = self.tokens[position].text
+            depth += (text in ("(", "[", "{")) - (text in (")", "]", "}"))
+            position += 1
+            if depth == 0:
+                break
+        while position < len(self.tokens) and self.tokens[position].kind == NEWLINE:
+            position += 1
+        return self.tokens[position] if position < len(self.tokens) else NOTHING
