@@ -152,7 +152,8 @@ class FormulaEncoder:
             return self.links.literal(node, self.level)
         column = int(self.ctx.builder.binary("w", (1,))[0])
         if isinstance(node, Const):
-            self._rows.add([column], [-1.0], 0.0)  # false: true never asks for a literal
+            if not node.value:
+                self._rows.add([column], [-1.0], 0.0)
             return column
         if isinstance(node, Or):
             self._choose(node, [column])
