@@ -61,7 +61,7 @@ class StatementBuilder(ExprBuilder):
     def property_member(self, start: int, end: int, c: Children) -> ast.Property:
         key, place = c
         name = self.name(key.start, key.end, [key])
-        return self._property(start, end, key, (self.inside(start, end, [name, place]),))
+        return self._property(start, end, key, (self.inside(start, end, [name, place, None]),))
 
     # --- shapes ------------------------------------------------------------------------------
 
