@@ -6,6 +6,8 @@ import numpy as np
 
 from stlc.milp.context import Context
 from stlc.milp.model import Floats, Ints, Origin
+from stlc.milp.polygons import polygon_normals
+from stlc.milp.turnrate import add_turn_rate
 from stlc.mission import Agent, NormBound, PolygonKind
 
 
@@ -20,6 +22,7 @@ def add_agents(ctx: Context) -> None:
         for bound in agent.input_norms:
             _add_polygon(ctx, agent, bound, ctx.inputs[name], ctx.ranges[name].input_upper)
         _add_workspace(ctx, agent)
+        add_turn_rate(ctx, agent)
 
 
 def _add_columns(ctx: Context, agent: Agent) -> None:
@@ -67,14 +70,6 @@ def _add_polygon(ctx: Context, agent: Agent, bound: NormBound, block: Ints, uppe
     cols = np.repeat(block[:, [first, second]], bound.sides, axis=0)
     values = np.tile(normals, (len(block), 1))
     ctx.builder.add_dense_rows(f"norm_{agent.name}", cols, values, -np.inf, offset)
-
-
-def polygon_normals(sides: int) -> Floats:
-    """Unit normals (sides, 2), (sin, cos) of 2 pi h / sides for h = 1..sides; exact zeros."""
-    angles = 2 * np.pi * np.arange(1, sides + 1) / sides
-    normals = np.column_stack([np.sin(angles), np.cos(angles)])
-    normals[np.abs(normals) < 1e-14] = 0.0
-    return normals
 
 
 def _add_workspace(ctx: Context, agent: Agent) -> None:
