@@ -62,7 +62,7 @@ class SampleSource:
 
 def sample_source(item: ast.Property, scope: Scope) -> SampleSource:
     """`samples "rssi.csv" fit offsets floor -100 dBm height 1 m where "run" "3"`."""
-    words = list(item.args)
+    words = [word for arg in item.args for word in _parted(arg)]
     first = words.pop(0) if words else None
     if not isinstance(first, ast.String):
         raise props.bad(item, "needs the name of a file first", USAGE)
@@ -84,6 +84,17 @@ def sample_source(item: ast.Property, scope: Scope) -> SampleSource:
             case _:
                 raise props.bad(item, "has an unknown word", f"{USAGE} fit", head.span)
     return found
+
+
+def _parted(expr: ast.Expr) -> tuple[ast.Expr, ...]:
+    """`floor -58 dBm` reads as a difference: here it is a word and a negative number."""
+    if (
+        isinstance(expr, ast.Arithmetic)
+        and expr.operator == "-"
+        and isinstance(expr.left, ast.Name)
+    ):
+        return expr.left, ast.Negate(expr.right.span, expr.right)
+    return (expr,)
 
 
 def read_samples(source: SampleSource, files: Files) -> Samples:

@@ -99,8 +99,8 @@ def channel(statement: ast.ChannelDecl, scope: Scope, files: Files) -> Channel:
     """The channel that a block describes."""
     owner = f"channel `{statement.name.text}`"
     reader = Reader(props.block(owner, statement.properties, PROPERTIES, scope), scope)
-    cells = _partition(statement, reader, scope)
     model = _model(statement, reader, files)
+    cells = _partition(statement, reader, model, scope)
     budget = _budget(reader) if model is not None else None
     if model is not None and budget is not None:
         _check_fading(reader, model, budget)
@@ -118,12 +118,14 @@ def channel(statement: ast.ChannelDecl, scope: Scope, files: Files) -> Channel:
     return made
 
 
-def _partition(statement: ast.ChannelDecl, reader: Reader, scope: Scope) -> Partition:
+def _partition(
+    statement: ast.ChannelDecl, reader: Reader, model: ChannelModel | None, scope: Scope
+) -> Partition:
     item = reader.block.get("partition")
     if item is None:
         why = "cells are what a channel is tabulated on"
         raise Mistake(missing(statement.name.text, "partition", why, statement.name.span))
-    return partition(item, scope)
+    return partition(item, model, scope)
 
 
 def _cost(reader: Reader, scope: Scope) -> str:

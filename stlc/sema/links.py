@@ -154,12 +154,12 @@ def chance(expr: ast.Call, env: Env, scope: Scope) -> Value:
         raise Mistake(_arity(expr, "P(rssi(a, b) >= -70 dBm) >= 0.95"))
     value = scope.value(expr.args[0], env)
     node = value.node if isinstance(value, Truth) else None
-    if isinstance(node, Link) and node.quantity in (Quantity.RSSI, Quantity.SNR):
+    if isinstance(node, Link) and node.quantity is not Quantity.COST:
         return Chance(node)
     raise Mistake(
         BadLink(
             span=expr.args[0].span,
-            problem="`P(..)` takes one comparison of `rssi` or `snr` with a constant",
+            problem="`P(..)` takes one comparison of a link quality with a constant",
             hint="write `P(rssi(a, b) >= -70 dBm) >= 0.95`",
         )
     )

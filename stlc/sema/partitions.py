@@ -12,19 +12,56 @@ from stlc.sema.channel_errors import BadChannel
 from stlc.sema.geometry import bounds
 from stlc.sema.report import Mistake
 from stlc.sema.scope import Scope
-from stlc.sema.units import METRE
+from stlc.sema.units import DB, METRE
 from stlc.sema.values import Items
 from stlc.syntax import ast
 
 if TYPE_CHECKING:
+    from stlc.radio.gp import ChannelModel
     from stlc.radio.partition import Partition
 
 USAGE = "partition 10 x 10"
 MOST_CELLS = 40_000
 
 
-def partition(item: ast.Property, scope: Scope) -> Partition:
+def partition(item: ast.Property, model: ChannelModel | None, scope: Scope) -> Partition:
     """The cells that a property describes, over the workspace's bounding box."""
+    head = item.args[0] if item.args else None
+    if isinstance(head, ast.Name) and head.text == "quadtree":
+        return _quadtree(item, list(item.args[1:]), model, scope)
+    return _grid(item, item.args, scope)
+
+
+def _quadtree(
+    item: ast.Property, words: list[ast.Expr], model: ChannelModel | None, scope: Scope
+) -> Partition:
+    """A grid whose cells are split where the mean strength varies by more than a tolerance."""
+    from stlc.radio.partition import quadtree
+    from stlc.radio.refine import variation_score
+
+    usage = "partition quadtree 8 x 8 tolerance 3 dB cells 200"
+    if model is None:
+        raise props.bad(item, "of a table must be a grid", USAGE)
+    start = _grid(item, tuple(words[:2]), scope)
+    tolerance, most = 3.0, 4 * len(start)
+    rest = words[2:]
+    while rest:
+        head = rest.pop(0)
+        key = head.text if isinstance(head, ast.Name) else ""
+        if key == "tolerance" and rest:
+            tolerance = scope.number(rest.pop(0), DB)
+        elif key == "cells" and rest:
+            most = scope.whole(rest.pop(0))
+        else:
+            raise props.bad(item, "has an unknown word", usage, head.span)
+    if tolerance <= 0 or not len(start) <= most <= MOST_CELLS:
+        raise props.bad(item, f"needs a tolerance above 0 and {len(start)} cells or more", usage)
+    stations = [s.position for s in scope.stations.values()]
+    fixed = np.array(stations) if stations and len(scope.agents) == 1 else None
+    return quadtree(start, variation_score(model, fixed), tolerance, most)
+
+
+def _grid(item: ast.Property, args: tuple[ast.Expr, ...], scope: Scope) -> Partition:
     from stlc.radio.partition import grid
 
     if scope.workspace is None:
@@ -32,11 +69,11 @@ def partition(item: ast.Property, scope: Scope) -> Partition:
         problem = "a partition needs a workspace"
         raise Mistake(BadChannel(span=item.span, channel="", problem=problem, hint=hint))
     x_lo, x_hi, y_lo, y_hi = bounds([scope.workspace])
-    if len(item.args) != 2:
+    if len(args) != 2:
         raise props.bad(item, "needs cells along x and along y", USAGE)
     edges = [
         _edges(item, expr, ends, scope)
-        for expr, ends in zip(item.args, ((x_lo, x_hi), (y_lo, y_hi)), strict=True)
+        for expr, ends in zip(args, ((x_lo, x_hi), (y_lo, y_hi)), strict=True)
     ]
     count = (len(edges[0]) - 1) * (len(edges[1]) - 1)
     if count > MOST_CELLS:
