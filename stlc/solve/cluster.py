@@ -26,7 +26,7 @@ def race_on_cluster(
     reached or `distributed` is not installed.
     """
     check_names(racers)
-    with _client(address) as client:
+    with connect(address) as client:
         word = f"stlc-race-{uuid.uuid4().hex}"
         futures = {
             client.submit(run_remotely, racer, word, pure=False, retries=0): racer.name
@@ -35,7 +35,7 @@ def race_on_cluster(
         try:
             laps = _gather(futures, should_stop)
         finally:
-            _event(word, client).set()
+            stop_event(word, client).set()
         ended = [Lap(r.name, Finish.ENDED, 0.0) for r in racers if r.name not in laps]
         everyone = laps | {lap.name: lap for lap in ended}
         return Race(best(laps.values()), tuple(everyone[r.name] for r in racers))
@@ -43,27 +43,29 @@ def race_on_cluster(
 
 def run_remotely(racer: Racer, word: str) -> Lap:
     """On a worker: race one racer alone until it is done or the event `word` is set."""
-    stop = _event(word, _distributed().get_client())
+    stop = stop_event(word, distributed().get_client())
     return race([racer], should_stop=stop.is_set).laps[0]
 
 
-def _client(address: str) -> Any:
-    distributed = _distributed()
+def connect(address: str) -> Any:
+    """A client of the scheduler at `address`. SolverError when it cannot be had."""
     try:
-        return distributed.Client(address, timeout=_TIMEOUT)
+        return distributed().Client(address, timeout=_TIMEOUT)
     except (OSError, ValueError) as error:
         raise SolverError(f"cannot reach the cluster at {address}: {error}") from error
 
 
-def _distributed() -> Any:
+def distributed() -> Any:
+    """The package. SolverError when it is not installed."""
     try:
         return import_module("distributed")
     except ImportError as error:
         raise SolverError("a cluster needs: pip install 'stlc[cluster]'") from error
 
 
-def _event(word: str, client: Any) -> Any:
-    return _distributed().Event(word, client=client)
+def stop_event(word: str, client: Any) -> Any:
+    """The cluster-wide event of that name; set, it asks the tasks that watch it to stop."""
+    return distributed().Event(word, client=client)
 
 
 def _gather(futures: dict[Any, str], should_stop: Callable[[], bool] | None) -> dict[str, Lap]:
@@ -74,7 +76,7 @@ def _gather(futures: dict[Any, str], should_stop: Callable[[], bool] | None) -> 
         if should_stop is not None and should_stop():
             break
         try:
-            done = _distributed().wait(open_, timeout=_POLL, return_when="FIRST_COMPLETED").done
+            done = distributed().wait(open_, timeout=_POLL, return_when="FIRST_COMPLETED").done
         except TimeoutError:
             continue
         for future in done:

@@ -6,24 +6,17 @@ that hangs, crashes or lies costs nothing but its share of the machine.
 
 from __future__ import annotations
 
-import os
-import signal
-import subprocess
-import sys
-import tempfile
-import threading
-import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from queue import Empty, SimpleQueue
-from typing import IO, cast
 
 from stlc.backends.base import Progress, SolveOptions, Status
-from stlc.errors import SolverError, UsageError
+from stlc.errors import UsageError
 from stlc.milp.model import Model
 from stlc.solve.certify import Certified
-from stlc.solve.wire import Failure, Task, read_message, write_message
+from stlc.solve.child import Child
+from stlc.solve.wire import Failure, Task
 
 _POLL = 0.05  # s
 _GRACE = 10.0  # s that a solver may overrun its own time limit
@@ -82,7 +75,7 @@ def race(
     """Run all racers at once on this machine. UsageError for none, or two of one name."""
     check_names(racers)
     queue: SimpleQueue[_Message] = SimpleQueue()
-    entries = {racer.name: _Entry(racer, queue) for racer in racers}
+    entries = {racer.name: (racer, _start(racer, queue)) for racer in racers}
     laps: dict[str, Lap] = {}
     try:
         while len(laps) < len(entries) and not _decided(laps):
@@ -90,10 +83,10 @@ def race(
                 break
             _advance(entries, laps, queue, on_progress)
     finally:
-        for entry in entries.values():
-            entry.end()
-    for name, entry in entries.items():
-        laps.setdefault(name, Lap(name, Finish.ENDED, entry.seconds()))
+        for _, child in entries.values():
+            child.end()
+    for name, (_, child) in entries.items():
+        laps.setdefault(name, Lap(name, Finish.ENDED, child.seconds()))
     return Race(best(laps.values()), tuple(laps[racer.name] for racer in racers))
 
 
@@ -129,7 +122,7 @@ _Message = tuple[str, object]
 
 
 def _advance(
-    entries: dict[str, _Entry],
+    entries: dict[str, tuple[Racer, Child]],
     laps: dict[str, Lap],
     queue: SimpleQueue[_Message],
     on_progress: Report | None,
@@ -138,25 +131,24 @@ def _advance(
     try:
         name, message = queue.get(timeout=_POLL)
     except Empty:
-        for name, entry in entries.items():
-            if name not in laps and entry.late():
-                entry.end()
-                laps[name] = Lap(name, Finish.FAILED, entry.seconds(), None, "it overran its limit")
+        for name, (racer, child) in entries.items():
+            if name not in laps and _late(racer, child):
+                child.end()
+                laps[name] = Lap(name, Finish.FAILED, child.seconds(), None, "it overran its limit")
         return
     if name in laps:
         return
+    _, child = entries[name]
     match message:
         case Progress():
             if on_progress is not None:
                 on_progress(name, message)
         case Certified():
-            laps[name] = Lap(name, _finish(message), entries[name].seconds(), message)
+            laps[name] = Lap(name, _finish(message), child.seconds(), message)
         case Failure():
-            laps[name] = Lap(name, Finish.FAILED, entries[name].seconds(), None, message.message)
+            laps[name] = Lap(name, Finish.FAILED, child.seconds(), None, message.message)
         case _:
-            laps[name] = Lap(
-                name, Finish.FAILED, entries[name].seconds(), None, entries[name].why()
-            )
+            laps[name] = Lap(name, Finish.FAILED, child.seconds(), None, child.why())
 
 
 def _finish(certified: Certified) -> Finish:
@@ -165,81 +157,17 @@ def _finish(certified: Certified) -> Finish:
     return Finish.NOTHING if certified.x is None else Finish.POINT
 
 
-class _Entry:
-    """A racer's process, and the thread that reads what it says."""
+def _start(racer: Racer, queue: SimpleQueue[_Message]) -> Child:
+    options = replace(racer.options, on_progress=None, should_stop=None)
+    task = Task(racer.model, racer.backend, options, racer.memory)
 
-    def __init__(self, racer: Racer, queue: SimpleQueue[_Message]) -> None:
-        self._racer = racer
-        self._began = time.monotonic()
-        self._errors = tempfile.TemporaryFile()  # noqa: SIM115 (closed in `end`)
-        try:
-            self._process = subprocess.Popen(
-                [sys.executable, "-m", "stlc.solve.racer"],
-                stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors,
-                start_new_session=True,
-            )  # fmt: skip
-        except OSError as error:
-            raise SolverError(f"cannot start racer {racer.name}: {error.strerror}") from error
-        self._reader = threading.Thread(target=self._talk, args=(queue,), daemon=True)
-        self._reader.start()
+    def tell(message: object | None) -> None:
+        queue.put((racer.name, message))
 
-    def _talk(self, queue: SimpleQueue[_Message]) -> None:
-        racer = self._racer
-        options = replace(racer.options, on_progress=None, should_stop=None)
-        task = Task(racer.model, racer.backend, options, racer.memory)
-        try:
-            write_message(cast("IO[bytes]", self._process.stdin), task)
-            output = cast("IO[bytes]", self._process.stdout)
-            while (message := read_message(output)) is not None:
-                queue.put((racer.name, message))
-        except (BrokenPipeError, ValueError):  # it died, or was ended while we read
-            pass
-        queue.put((racer.name, None))
-
-    def seconds(self) -> float:
-        """Since its start."""
-        return time.monotonic() - self._began
-
-    def late(self) -> bool:
-        """Has it overrun its time limit by more than the grace?"""
-        limit = self._racer.options.time_limit
-        return limit is not None and self.seconds() > limit + _GRACE
-
-    def why(self) -> str:
-        """Why the process ended without an answer."""
-        code = self._process.wait()
-        self._errors.seek(0)
-        said = self._errors.read().decode(errors="replace").strip().splitlines()
-        cause = f"signal {-code}" if code < 0 else f"status {code}"
-        memory = self._racer.memory
-        hint = "" if memory is None else f" (its memory was limited to {memory / 2**20:.0f} MB)"
-        return f"its process ended with {cause}{hint}" + (f": {said[-1]}" if said else "")
-
-    def end(self) -> None:
-        """End the process and its children, if it still runs."""
-        if self._process.poll() is None:
-            _signal(self._process, signal.SIGTERM)
-            try:
-                self._process.wait(1.0)
-            except subprocess.TimeoutExpired:
-                _signal(self._process, signal.SIGKILL)
-                self._process.wait()
-        self._reader.join(5.0)
-        for stream in (self._process.stdin, self._process.stdout):
-            if stream is not None:
-                _close(stream)
-        self._errors.close()
+    return Child("stlc.solve.racer", f"racer {racer.name}", task, tell, racer.memory)
 
 
-def _signal(process: subprocess.Popen[bytes], number: signal.Signals) -> None:
-    if hasattr(os, "killpg"):
-        os.killpg(process.pid, number)
-    else:
-        process.terminate()
-
-
-def _close(stream: IO[bytes]) -> None:
-    try:
-        stream.close()
-    except BrokenPipeError:
-        return  # it never read the rest of its task
+def _late(racer: Racer, child: Child) -> bool:
+    """Has it overrun its time limit by more than the grace?"""
+    limit = racer.options.time_limit
+    return limit is not None and child.seconds() > limit + _GRACE

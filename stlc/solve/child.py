@@ -1,0 +1,131 @@
+"""A spawned process that takes one task and answers with messages: both ends of it.
+
+Never forked: HiGHS does not survive a fork. The child watches its standard input, so that it ends
+with whoever started it, however that one ended.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from typing import IO, cast
+
+from stlc.errors import SolverError
+from stlc.solve.wire import read_message, write_message
+
+
+class Child:
+    """`python -m module` at work on `task`; `tell(message)` is called from a thread of ours.
+
+    The last call is `tell(None)`, when the process has no more to say. `memory` [bytes] is what
+    the task limits it to, for messages only.
+    """
+
+    def __init__(
+        self, module: str, name: str, task: object, tell: Callable[[object | None], None],
+        memory: int | None = None,
+    ) -> None:  # fmt: skip
+        self._memory = memory
+        self._began = time.monotonic()
+        self._errors = tempfile.TemporaryFile()  # noqa: SIM115 (closed in `end`)
+        try:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", module],
+                stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors,
+                start_new_session=True,
+            )  # fmt: skip
+        except OSError as error:
+            raise SolverError(f"cannot start {name}: {error.strerror}") from error
+        self._reader = threading.Thread(target=self._talk, args=(task, tell), daemon=True)
+        self._reader.start()
+
+    def _talk(self, task: object, tell: Callable[[object | None], None]) -> None:
+        try:
+            write_message(cast("IO[bytes]", self._process.stdin), task)
+            output = cast("IO[bytes]", self._process.stdout)
+            while (message := read_message(output)) is not None:
+                tell(message)
+        except (BrokenPipeError, ValueError):  # it died, or was ended while we read
+            pass
+        tell(None)
+
+    def seconds(self) -> float:
+        """Since its start."""
+        return time.monotonic() - self._began
+
+    def why(self) -> str:
+        """Why the process ended without an answer."""
+        code = self._process.wait()
+        self._errors.seek(0)
+        said = self._errors.read().decode(errors="replace").strip().splitlines()
+        cause = f"signal {-code}" if code < 0 else f"status {code}"
+        memory = self._memory
+        hint = "" if memory is None else f" (its memory was limited to {memory / 2**20:.0f} MB)"
+        return f"its process ended with {cause}{hint}" + (f": {said[-1]}" if said else "")
+
+    def end(self) -> None:
+        """End the process and its children, if it still runs."""
+        if self._process.poll() is None:
+            _signal(self._process, signal.SIGTERM)
+            try:
+                self._process.wait(1.0)
+            except subprocess.TimeoutExpired:
+                _signal(self._process, signal.SIGKILL)
+                self._process.wait()
+        self._reader.join(5.0)
+        for stream in (self._process.stdin, self._process.stdout):
+            if stream is not None:
+                _close(stream)
+        self._errors.close()
+
+
+def _signal(process: subprocess.Popen[bytes], number: signal.Signals) -> None:
+    if hasattr(os, "killpg"):
+        os.killpg(process.pid, number)
+    else:
+        process.terminate()
+
+
+def _close(stream: IO[bytes]) -> None:
+    try:
+        stream.close()
+    except BrokenPipeError:
+        return  # it never read the rest of its task
+
+
+def private_output() -> IO[bytes]:
+    """In the child: the pipe to the parent; what solvers print goes to standard error instead."""
+    output = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    return output
+
+
+def end_with_input() -> None:
+    """In the child, once the task is read: when standard input ends, so do we and our children."""
+    threading.Thread(target=_watch_input, daemon=True).start()
+
+
+def _watch_input() -> None:
+    sys.stdin.buffer.read()
+    if hasattr(os, "killpg") and os.getpid() == os.getpgrp():
+        with suppress(ProcessLookupError):
+            os.killpg(0, signal.SIGKILL)
+    os._exit(1)
+
+
+def limit_memory(limit: int | None) -> None:
+    """In the child: at most `limit` bytes of data."""
+    if limit is None:
+        return
+    try:
+        import resource
+    except ImportError:  # no such limits on this system: whoever started us says so
+        return
+    resource.setrlimit(resource.RLIMIT_DATA, (limit, limit))
