@@ -227,8 +227,9 @@ def _requirements(statements: list[ast.Statement], scope: Scope) -> list[Require
         with scope.report.guard():
             margin = _margin(statement.value, scope)
     found: dict[str, Requirement] = {}
+    taken = {s.name.text for s in _of(statements, ast.Require) if s.name}
     for number, item in enumerate(_of(statements, ast.Require), start=1):
-        name = item.name.text if item.name else f"requirement{number}"
+        name = item.name.text if item.name else _free_name(f"requirement{number}", taken)
         if name in found and item.name is not None:
             diagnostic = Redeclared(span=item.name.span, name=name)
             scope.report.add(with_note(diagnostic, "declared here before", found[name].span))
@@ -236,6 +237,13 @@ def _requirements(statements: list[ast.Statement], scope: Scope) -> list[Require
         with scope.report.guard():
             found[name] = _requirement(item, name, margin, scope)
     return list(found.values())
+
+
+def _free_name(name: str, taken: set[str]) -> str:
+    """The name, lengthened until no requirement has it."""
+    while name in taken:
+        name += "_"
+    return name
 
 
 def _margin(expr: ast.Expr, scope: Scope) -> float:
