@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from stlc.ir.nodes import And, Linear, Node, Role
 from stlc.milp.context import Ranges
 from stlc.milp.model import Floats, Ints
-from stlc.milp.stages import box_of
+from stlc.milp.stages import LevelOf, box_of
 from stlc.mission import Agent, Mission
 
 Bools = NDArray[np.bool_]
@@ -39,7 +39,7 @@ class Demand:
 
 
 def demands_of(
-    column: int, node: Node, margin: float, mission: Mission, ranges: Mapping[str, Ranges]
+    column: int, node: Node, level: LevelOf, mission: Mission, ranges: Mapping[str, Ranges]
 ) -> list[Demand]:
     """Boxes that the predicates of an alternative's conjunctions ask for, one agent each."""
     atoms: dict[str, dict[int, list[Linear]]] = {}
@@ -56,7 +56,7 @@ def demands_of(
     found = []
     for owner, by_step in atoms.items():
         r, steps = ranges[owner], tuple(sorted(by_step))
-        boxes = [box_of(by_step[t], margin, r.state_lower[t], r.state_upper[t]) for t in steps]
+        boxes = [box_of(by_step[t], level, r.state_lower[t], r.state_upper[t]) for t in steps]
         lower, upper = (np.array([b[k] for b in boxes]) for k in range(2))
         found.append(Demand(column, owner, steps, lower, upper))
     return found

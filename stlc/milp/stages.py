@@ -17,7 +17,7 @@ and the sets into x(t) >= sum_i lower(S(t, i)) z(t, i), likewise above.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -26,10 +26,13 @@ from numpy.typing import NDArray
 from stlc.ir.nodes import And, Linear, Node, Or, Role
 from stlc.milp.builder import ModelBuilder
 from stlc.milp.context import Ranges
+from stlc.milp.goals import Goal
 from stlc.milp.model import Floats, Ints
 from stlc.mission import Agent, Mission, Requirement
 
 Bools = NDArray[np.bool_]
+LevelOf = Callable[[str], float]
+"""What predicates of a unit have to reach."""
 
 _SLACK = 1e-6
 _SWEEPS = 2
@@ -86,14 +89,14 @@ def single_place(node: Node) -> tuple[str, int] | None:
 
 
 def box_of(
-    predicates: Sequence[Linear], margin: float, lower: Floats, upper: Floats
+    predicates: Sequence[Linear], level: LevelOf, lower: Floats, upper: Floats
 ) -> tuple[Floats, Floats]:
-    """Interval hull (n,) of {x in [lower, upper] : every predicate >= margin}."""
+    """Interval hull (n,) of {x in [lower, upper] : every predicate >= level(its unit)}."""
     low, high = lower.copy(), upper.copy()
     for predicate in predicates:
         most = [v * (high if v > 0 else low)[s.index] for s, v in predicate.terms]
         for (signal, value), own in zip(predicate.terms, most, strict=True):
-            edge = (margin - predicate.constant - (sum(most) - own)) / value
+            edge = (level(predicate.unit) - predicate.constant - (sum(most) - own)) / value
             if value > 0:
                 low[signal.index] = max(low[signal.index], edge)
             else:
@@ -112,10 +115,16 @@ def _all_linear(parts: Sequence[Node]) -> bool:
 
 
 def find_stages(
-    mission: Mission, requirements: Sequence[Requirement], ranges: Mapping[str, Ranges]
+    mission: Mission,
+    requirements: Sequence[Requirement],
+    ranges: Mapping[str, Ranges],
+    target: tuple[Goal, float] | None = None,
 ) -> dict[str, Stages]:
-    """Stages of every agent that has any: the widest disjunction at each step."""
-    chosen: dict[tuple[str, int], tuple[Or, float]] = {}
+    """Stages of every agent that has any: the widest disjunction at each step.
+
+    `target` asks for more than the margins: that a robustness column reaches a value.
+    """
+    chosen: dict[tuple[str, int], tuple[Or, LevelOf]] = {}
     for requirement in requirements:
         for node in _asserted(requirement.formula):
             place = single_place(node) if _is_stage(node) else None
@@ -123,12 +132,25 @@ def find_stages(
                 continue
             assert isinstance(node, Or)
             if place not in chosen or len(node.args) > len(chosen[place][0].args):
-                chosen[place] = (node, requirement.margin)
+                chosen[place] = (node, level_at(requirement, target))
     return {
         name: analyse(agent, ranges[name], _stages(agent, ranges[name], chosen))
         for name, agent in mission.agents.items()
         if any(owner == name for owner, _ in chosen)
     }
+
+
+def level_at(requirement: Requirement, target: tuple[Goal, float] | None) -> LevelOf:
+    """What a requirement's predicates have to reach when a robustness column is at a value."""
+    if target is None or not target[0].covers(requirement.name):
+        return lambda unit: requirement.margin
+    goal, value = target
+    return lambda unit: max(requirement.margin, value * goal.scale(unit))
+
+
+def is_attainable(stages: Mapping[str, Stages]) -> bool:
+    """Whether every stage has an alternative that some run may take."""
+    return all(stage.alive.any() for found in stages.values() for stage in found.stages)
 
 
 def _is_stage(node: Node) -> bool:
@@ -142,15 +164,15 @@ def _asserted(root: Node) -> Sequence[Node]:
 
 
 def _stages(
-    agent: Agent, ranges: Ranges, chosen: Mapping[tuple[str, int], tuple[Or, float]]
+    agent: Agent, ranges: Ranges, chosen: Mapping[tuple[str, int], tuple[Or, LevelOf]]
 ) -> list[Stage]:
     found: list[Stage] = []
     for t, (low, high) in enumerate(zip(ranges.state_lower, ranges.state_upper, strict=True)):
         if (agent.name, t) not in chosen:
             found.append(Stage(None, low[None].copy(), high[None].copy()))
             continue
-        node, margin = chosen[agent.name, t]
-        boxes = [box_of(conjuncts(a) or [], margin, low, high) for a in node.args]
+        node, level = chosen[agent.name, t]
+        boxes = [box_of(conjuncts(a) or [], level, low, high) for a in node.args]
         found.append(Stage(node, np.array([b[0] for b in boxes]), np.array([b[1] for b in boxes])))
     return found
 

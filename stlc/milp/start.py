@@ -17,18 +17,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stlc.milp.conflicts import demands_of, find_conflicts
+from stlc.milp.goals import Level
 from stlc.milp.model import Floats, Ints, Model
 
 if TYPE_CHECKING:
     from stlc.milp.compile import Compiled
 
-_FIRST_LIMIT = 40  # LPs before the first restart
-_GROWTH = 1.25  # of that limit at each restart
+_FIRST_LIMIT = 30  # LPs before the first restart
+_GROWTH = 1.1  # of that limit at each restart
 _INTEGRAL = 1e-6
 _NONE = np.empty(0, np.int64)
 
@@ -78,6 +80,11 @@ def _covers(compiled: Compiled) -> bool:
     return all(int(c) in known for c in integers)
 
 
+def _level(level: Level, target: float, unit: str) -> float:
+    """What a predicate has to reach when the robustness is at its target."""
+    return max([level.margin, *(target * g.scale(unit) for g in level.goals)])
+
+
 @dataclass(slots=True, eq=False)
 class _Decision:
     """A literal that was set; the alternatives that this ruled out; `other`: it is now 0."""
@@ -110,6 +117,7 @@ class _Search:
         model = compiled.model
         groups, asserted, demands = [], [], []
         for one in compiled.encoded:
+            level = partial(_level, one.level, target)
             top = set(one.formula.children) | {one.formula}
             for node, pairs in one.choices:
                 cols = np.array([column for _, column in pairs], np.int64)
@@ -118,7 +126,7 @@ class _Search:
                     asserted.append(node in top and len(cols) == len(node.args))
                 for part, column in pairs:
                     demands += demands_of(
-                        column, part, one.level.margin, compiled.mission, compiled.ranges
+                        column, part, level, compiled.mission, compiled.ranges
                     )
         dead, conflicts = find_conflicts(compiled.mission, compiled.ranges, demands)
         steps = {d.column: d.steps[0] for d in demands}
@@ -187,8 +195,9 @@ class _Search:
             return -1.0
         group, total = self.groups[k], float(values.sum())
         open_ = float(np.count_nonzero(self.upper[group] > 0))
-        noise = 0.5 * len(group) * self.rng.random() if self.restarts else 0.0
-        return 1000.0 * (self.over_time[k] and total > 0.9) + open_ * total + noise
+        if self.over_time[k] and total > 0.9:
+            return 1e6 + (self.rng.random() if self.restarts else open_)
+        return open_ * total
 
     def _decide(self, column: int) -> bool:
         self._bound(np.array([column]), 1.0, 1.0)

@@ -143,4 +143,4 @@ def _formula(product: list[_Term], span: Span | None) -> Node:
     return alternatives[0] if len(alternatives) == 1 else Or(tuple(alternatives), span=span)
 
 
-PASS = Pass("distribute", run, after=("decide",), stage=Stage.STEPS)
+PASS = Pass("distribute", run, after=("decide",), stage=Stage.STEPS, preserves="optima")

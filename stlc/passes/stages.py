@@ -3,6 +3,9 @@
     A or B  =  B     where interval reach sets through the stages (`milp/stages.py`) show that no
                      run within the ranges takes alternative A at its step
 
+The same sets at a higher level than the margin cap the robustness columns: where no run can take
+the stages at robustness r, r is an upper bound, and bisection finds the least such r.
+
 Needs: decide. Guarantees: the runs with robustness >= margin are the same, and on them so is the
 best alternative that can be taken (robustness below the margin may change).
 """
@@ -16,11 +19,14 @@ import numpy as np
 from stlc.ir.nodes import And, Const, Node, Or
 from stlc.ir.verify import Stage
 from stlc.milp.context import Ranges
+from stlc.milp.goals import Goal
 from stlc.milp.reach import position_ranges
-from stlc.milp.stages import Stages, find_stages
+from stlc.milp.stages import Stages, find_stages, is_attainable
 from stlc.milp.unreachable import unreachable
 from stlc.passes.base import Pass, Program
 from stlc.passes.fold import fold
+
+_PRECISION = 1e-3
 
 
 def run(program: Program) -> Program:
@@ -38,7 +44,31 @@ def run(program: Program) -> Program:
     ranges = dict(program.ranges)
     for name, stages in found.items():
         ranges[name] = _narrowed(stages, ranges[name])
-    return replace(program.with_formulas(formulas), ranges=ranges)
+    result = replace(program.with_formulas(formulas), ranges=ranges)
+    if not found:
+        return result
+    return replace(result, goals=tuple(_capped(result, g) for g in result.known_goals()))
+
+
+def _capped(program: Program, goal: Goal) -> Goal:
+    """The goal with the least value that bisection proves out of reach of the stages."""
+    low, high = goal.low, goal.high
+    if not np.isfinite(high) or _attainable(program, goal, high):
+        return goal
+    while high - low > _PRECISION * max(1.0, abs(high)):
+        middle = (low + high) / 2
+        if _attainable(program, goal, middle):
+            low = middle
+        else:
+            high = middle
+    return replace(goal, high=high)
+
+
+def _attainable(program: Program, goal: Goal, value: float) -> bool:
+    target = (goal, value)
+    return is_attainable(
+        find_stages(program.mission, program.requirements, program.ranges, target)
+    )
 
 
 def _pruned(stages: Stages) -> dict[Node, Node]:
