@@ -119,10 +119,12 @@ def find_stages(
     requirements: Sequence[Requirement],
     ranges: Mapping[str, Ranges],
     target: tuple[Goal, float] | None = None,
+    sweeps: int = _SWEEPS,
 ) -> dict[str, Stages]:
     """Stages of every agent that has any: the widest disjunction at each step.
 
-    `target` asks for more than the margins: that a robustness column reaches a value.
+    `target` asks for more than the margins: that a robustness column reaches a value. No sweeps
+    propagates forward only.
     """
     chosen: dict[tuple[str, int], tuple[Or, LevelOf]] = {}
     for requirement in requirements:
@@ -134,7 +136,7 @@ def find_stages(
             if place not in chosen or len(node.args) > len(chosen[place][0].args):
                 chosen[place] = (node, level_at(requirement, target))
     return {
-        name: analyse(agent, ranges[name], _stages(agent, ranges[name], chosen))
+        name: analyse(agent, ranges[name], _stages(agent, ranges[name], chosen), sweeps)
         for name, agent in mission.agents.items()
         if any(owner == name for owner, _ in chosen)
     }
@@ -146,11 +148,6 @@ def level_at(requirement: Requirement, target: tuple[Goal, float] | None) -> Lev
         return lambda unit: requirement.margin
     goal, value = target
     return lambda unit: max(requirement.margin, value * goal.scale(unit))
-
-
-def is_attainable(stages: Mapping[str, Stages]) -> bool:
-    """Whether every stage has an alternative that some run may take."""
-    return all(stage.alive.any() for found in stages.values() for stage in found.stages)
 
 
 def _is_stage(node: Node) -> bool:
@@ -177,12 +174,12 @@ def _stages(
     return found
 
 
-def analyse(agent: Agent, ranges: Ranges, stages: list[Stage]) -> Stages:
+def analyse(agent: Agent, ranges: Ranges, stages: list[Stage], sweeps: int) -> Stages:
     """Propagate forward and backward; fills `follows`."""
     result = Stages(agent, stages)
-    for _ in range(_SWEEPS):
+    for _ in range(max(sweeps, 1)):
         result.follows = [_step(agent, ranges, stages, t) for t in range(len(stages) - 1)]
-        for t in reversed(range(len(stages) - 1)):
+        for t in reversed(range(len(stages) - 1)) if sweeps else ():
             result.follows[t] &= _step_back(agent, ranges, stages, t)
     return result
 

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 _FIRST_LIMIT = 30  # LPs before the first restart
 _GROWTH = 1.1  # of that limit at each restart
 _INTEGRAL = 1e-6
+_SHORT = 3e-5  # aim this far below the bound, relative: less than any sensible gap
 _NONE = np.empty(0, np.int64)
 
 
@@ -44,13 +45,12 @@ class Start:
     bound: float
     lps: int
 
-    @property
-    def proven(self) -> bool:
-        """Whether the bound proves it optimal."""
-        return self.objective <= self.bound + 1e-6 * max(1.0, abs(self.bound))
+    def is_optimal(self, gap: float) -> bool:
+        """Whether the bound proves it optimal within a relative gap (and rounding)."""
+        return self.objective - self.bound <= max(gap * abs(self.objective), 1e-7)
 
 
-def find_start(compiled: Compiled, most_lps: int = 400, seed: int = 0) -> Start | None:
+def find_start(compiled: Compiled, most_lps: int = 700, seed: int = 0) -> Start | None:
     """A start, or None where none was found within `most_lps` linear programs.
 
     Only for missions that maximise the robustness of all requirements, where every integer column
@@ -96,6 +96,8 @@ class _Decision:
 
 @dataclass(slots=True, eq=False)
 class _Search:
+    model: Model
+    rho: int
     lp: Any  # highspy.Highs
     integers: Ints
     groups: Sequence[Ints]
@@ -125,9 +127,7 @@ class _Search:
                     groups.append(cols)
                     asserted.append(node in top and len(cols) == len(node.args))
                 for part, column in pairs:
-                    demands += demands_of(
-                        column, part, level, compiled.mission, compiled.ranges
-                    )
+                    demands += demands_of(column, part, level, compiled.mission, compiled.ranges)
         dead, conflicts = find_conflicts(compiled.mission, compiled.ranges, demands)
         steps = {d.column: d.steps[0] for d in demands}
         over_time = [len({steps.get(int(z), -1) for z in g}) > 1 for g in groups]
@@ -135,7 +135,7 @@ class _Search:
         for k, group in enumerate(groups):
             group_of[group] = k
         search = _Search(
-            _load(model, rho, target), np.flatnonzero(model.integrality), groups, group_of,
+            model, rho, _load(model, rho, target - _SHORT * abs(target)), np.flatnonzero(model.integrality), groups, group_of,
             np.array(asserted, bool), np.array(over_time, bool), conflicts,
             model.col_upper.copy(), model.col_lower.copy(), np.random.default_rng(seed),
         )  # fmt: skip
@@ -170,9 +170,21 @@ class _Search:
             x = np.array(self.lp.getSolution().col_value)
             column = self._pick(x)
             if column is None:
-                return x, False
+                return self._polished(x), False
             fits = self._decide(column)
         return None, False
+
+    def _polished(self, x: Floats) -> Floats:
+        """The best point with these literals."""
+        cols = self.integers.astype(np.int32)
+        whole = np.round(x[self.integers])
+        self.lp.changeColsBounds(len(cols), cols, whole, whole)
+        model, every = self.model, np.arange(self.model.columns, dtype=np.int32)
+        self.lp.changeColBounds(
+            self.rho, float(model.col_lower[self.rho]), float(model.col_upper[self.rho])
+        )
+        self.lp.changeColsCost(len(every), every, model.c)
+        return np.array(self.lp.getSolution().col_value) if self._solve() else x
 
     def _pick(self, x: Floats) -> int | None:
         """The literal to set next; None where all integer columns are integral."""

@@ -29,9 +29,7 @@ class Program:
 
     def known_goals(self) -> tuple[Goal, ...]:
         """Robustness columns with the best ends that the ranges and earlier passes give."""
-        return goals_of(
-            self.mission, self.requirements, self.ranges, self.link_bounds, self.goals
-        )
+        return goals_of(self.mission, self.requirements, self.ranges, self.link_bounds, self.goals)
 
     def with_formulas(self, formulas: Sequence[Node]) -> Program:
         """The same program over other formulas."""

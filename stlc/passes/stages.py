@@ -12,21 +12,23 @@ best alternative that can be taken (robustness below the margin may change).
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from stlc.ir.nodes import And, Const, Node, Or
 from stlc.ir.verify import Stage
+from stlc.milp.conflicts import demands_of
 from stlc.milp.context import Ranges
 from stlc.milp.goals import Goal
 from stlc.milp.reach import position_ranges
-from stlc.milp.stages import Stages, find_stages, is_attainable
+from stlc.milp.stages import LevelOf, Stages, find_stages, level_at, single_place
 from stlc.milp.unreachable import unreachable
 from stlc.passes.base import Pass, Program
 from stlc.passes.fold import fold
 
-_PRECISION = 1e-3
+_PRECISION = 2e-6  # of the capped robustness
 
 
 def run(program: Program) -> Program:
@@ -65,10 +67,31 @@ def _capped(program: Program, goal: Goal) -> Goal:
 
 
 def _attainable(program: Program, goal: Goal, value: float) -> bool:
+    """Whether reach through the stages leaves room for every choice at this robustness."""
     target = (goal, value)
-    return is_attainable(
-        find_stages(program.mission, program.requirements, program.ranges, target)
+    found = find_stages(program.mission, program.requirements, program.ranges, target, sweeps=0)
+    if not all(stage.alive.any() for stages in found.values() for stage in stages.stages):
+        return False
+    return all(
+        any(_meets(program, found, level_at(r, target), a) for a in node.children)
+        for r in program.requirements
+        for node in (r.formula.children if isinstance(r.formula, And) else (r.formula,))
+        if isinstance(node, Or) and single_place(node) is None
     )
+
+
+def _meets(program: Program, found: Mapping[str, Stages], level: LevelOf, node: Node) -> bool:
+    """Whether an alternative's boxes meet the reach sets at their steps."""
+    for demand in demands_of(0, node, level, program.mission, program.ranges):
+        if demand.agent not in found:
+            continue
+        for k, step in enumerate(demand.steps):
+            stage = found[demand.agent].stages[step]
+            lower = np.maximum(stage.lower, demand.lower[k])
+            upper = np.minimum(stage.upper, demand.upper[k])
+            if not (lower <= upper + 1e-6).all(axis=1).any():
+                return False
+    return True
 
 
 def _pruned(stages: Stages) -> dict[Node, Node]:

@@ -20,7 +20,7 @@ def run_strategy(
 
     began = time.perf_counter()
     found = find_start(compiled)
-    if found is not None and found.proven:
+    if found is not None and found.is_optimal(options.gap):
         seconds = time.perf_counter() - began
         return Solution(
             Status.OPTIMAL, found.x, found.objective, found.bound, 0, seconds, "start search",
