@@ -1,0 +1,1 @@
+"""Benchmarks: what to solve, each solve in its own process, a store of finished runs, reports."""

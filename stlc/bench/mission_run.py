@@ -1,0 +1,192 @@
+"""What a run of a mission does and measures; the clock starts when its text is read.
+
+The same steps as `stlc solve`: compile, strategy and backend, certification, verification. The
+first incumbent that passes both checks is timed; later ones are not checked, so as not to slow the
+solver down.
+"""
+
+from __future__ import annotations
+
+import json
+import tempfile
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stlc import backends
+from stlc.backends.base import Progress, Solution, SolveOptions, Status
+from stlc.bench.job import Job, Point, Update
+from stlc.bench.worker import Tell
+from stlc.errors import InfeasibleError, MissionError, SolverError, StlcError
+from stlc.milp.compile import Compiled, compile_mission
+from stlc.milp.encodings import compile_options
+from stlc.mission import Mission
+
+if TYPE_CHECKING:
+    from stlc.milp.model import Model
+
+LP_SECONDS = 60.0  # at most, for the relaxation bound
+
+
+def run_mission(job: Job, tell: Tell) -> None:
+    """Make the run; whatever ends it becomes a status."""
+    run = _Run(job, tell)
+    try:
+        run.make()
+    except InfeasibleError as error:
+        run.send(status="infeasible", message=_line(error), proof=run.seconds())
+    except MissionError as error:
+        tell(Update({"status": "failed", "message": error.diagnostics[0].title}))
+    except StlcError as error:
+        tell(Update({"status": "failed", "message": _line(error)}))
+
+
+def _line(error: StlcError) -> str:
+    return str(error).partition("\n")[0][:300]
+
+
+@dataclass(slots=True)
+class _Run:
+    job: Job
+    tell: Tell
+    began: float = field(default_factory=time.perf_counter)
+    first: float | None = None
+
+    def seconds(self) -> float:
+        """Since the text was first read."""
+        return time.perf_counter() - self.began
+
+    def send(self, **fields: Any) -> None:
+        """Tell what is known."""
+        self.tell(Update(fields))
+
+    def make(self) -> None:
+        mission = self._read()
+        compiled = self._compile(mission)
+        began = time.perf_counter()
+        solution = self._solve(mission, compiled)
+        self.send(
+            solver_seconds=time.perf_counter() - began,
+            nodes=solution.nodes, solver=solution.solver_version, bound=solution.bound,
+        )  # fmt: skip
+        self._judge(mission, compiled, solution)
+        if self.job.repeat == 0:
+            self.send(lp_bound=relaxation(compiled.model, self.job.limits.seconds))
+
+    def _read(self) -> Mission:
+        with tempfile.TemporaryDirectory() as folder:
+            for name, data in self.job.files.items():
+                Path(folder, name).write_bytes(data)
+            mission = Mission.from_file(Path(folder, self.job.main))
+        self.send(read_seconds=self.seconds())
+        return mission
+
+    def _compile(self, mission: Mission) -> Compiled:
+        config = self.job.config
+        began = time.perf_counter()
+        compiled = compile_mission(mission, compile_options(config.encoding, config.disabled))
+        took = time.perf_counter() - began
+        passes = {p.name: round(p.seconds, 6) for p in compiled.stats.passes}
+        self.send(
+            compile_seconds=took, passes_seconds=sum(passes.values()),
+            encode_seconds=took - sum(passes.values()), pass_seconds=json.dumps(passes),
+            **sizes(compiled.model),
+        )  # fmt: skip
+        return compiled
+
+    def _solve(self, mission: Mission, compiled: Compiled) -> Solution:
+        from stlc.solve.strategy import run_strategy
+
+        def report(progress: Progress) -> None:
+            at = (progress.seconds, progress.objective, progress.bound, progress.nodes)
+            self.tell(Point(*at))
+            if progress.incumbent is not None and self.first is None:
+                self._check_first(mission, compiled, progress)
+
+        config = self.job.config
+        options = solve_options(self.job, report)
+        return run_strategy(config.strategy, compiled, backends.get(config.backend), options)
+
+    def _check_first(self, mission: Mission, compiled: Compiled, progress: Progress) -> None:
+        from stlc.solve.driver import judge_point
+
+        x = progress.incumbent
+        assert x is not None
+        value = compiled.model.objective(x)
+        claim = Solution(Status.FEASIBLE, x, value, progress.bound, solver=self.job.config.backend)
+        try:
+            _, report = judge_point(mission, compiled, claim)
+        except SolverError:
+            return  # refused by certification: the next incumbent is tried
+        if report.ok:
+            self.first = self.seconds()
+            self.send(first_plan=self.first)
+
+    def _judge(self, mission: Mission, compiled: Compiled, solution: Solution) -> None:
+        """Certify and verify the answer; what was claimed is only then a figure."""
+        from stlc.solve.driver import judge_point
+
+        if solution.x is None:
+            proven = solution.status is Status.INFEASIBLE
+            self.send(**no_point(solution), proof=self.seconds() if proven else None)
+            return
+        began = time.perf_counter()
+        try:
+            plan, report = judge_point(mission, compiled, solution, solve_options(self.job))
+        except SolverError as error:
+            self.send(status="refused", message=_line(error))
+            return
+        if not report.ok:
+            self.send(status="refused", message="the verifier refuses the plan")
+            return
+        info = plan.solve
+        self.send(
+            status=info.status, objective=info.objective, bound=info.bound, gap=info.gap,
+            certified=True, verify_seconds=time.perf_counter() - began,
+            first_plan=self.seconds() if self.first is None else self.first,
+        )  # fmt: skip
+        if info.status == Status.OPTIMAL.value:
+            self.send(proof=self.seconds())
+
+
+def solve_options(job: Job, report: Any = None) -> SolveOptions:
+    """A job's limits in the backends' words."""
+    limits = job.limits
+    return SolveOptions(limits.seconds, limits.gap, limits.threads, on_progress=report)
+
+
+def no_point(solution: Solution) -> dict[str, Any]:
+    """Status and message of an answer without a point."""
+    match solution.status:
+        case Status.INFEASIBLE:
+            return {"status": "infeasible", "message": "claimed by the solver"}
+        case Status.NO_SOLUTION:
+            return {"status": "no_plan", "message": solution.message}
+        case _:
+            return {"status": "failed", "message": solution.message or solution.status.value}
+
+
+def sizes(model: Model) -> dict[str, int]:
+    """Columns, binaries, rows, nonzeros."""
+    return {
+        "columns": model.columns,
+        "binaries": model.binaries,
+        "rows": model.rows,
+        "nonzeros": model.nonzeros,
+    }
+
+
+def relaxation(model: Model, limit: float) -> float | None:
+    """Optimum of the LP relaxation by HiGHS, None when it takes too long."""
+    from dataclasses import replace
+
+    import numpy as np
+
+    relaxed = replace(model, integrality=np.zeros(model.columns, np.uint8))
+    options = SolveOptions(time_limit=min(limit, LP_SECONDS), threads=1)
+    try:
+        solution = backends.get("highs").solve(relaxed, options)
+    except SolverError:
+        return None
+    return solution.objective if solution.status is Status.OPTIMAL else None

@@ -1,0 +1,37 @@
+"""What a registry of benchmarks says: suites of problems, described as data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One mission file, `missions/<file>` of the registry's folder, with the `data` files it reads.
+
+    `generator` and `parameters` say how the file was written. `axis` and `size` place the problem
+    on a growth curve (such as "horizon", 16). `quick` problems are solved in seconds.
+    """
+
+    name: str
+    file: str
+    data: tuple[str, ...] = ()
+    generator: str = ""
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    axis: str = ""
+    size: float = 0.0
+    quick: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Suite:
+    """Problems that are compared together; `encodings` are compared unless others are asked for.
+
+    The first encoding is the one that ratios are given against.
+    """
+
+    name: str
+    title: str
+    problems: tuple[Problem, ...]
+    encodings: tuple[str, ...] = ("auto",)

@@ -1,0 +1,136 @@
+"""From suites and choices to the list of runs, in the order they are made."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from stlc.bench.job import Config, Job, Limits
+from stlc.bench.machine import fingerprint
+from stlc.bench.problem import Problem, Suite
+from stlc.bench.registry import read_files
+from stlc.errors import UsageError
+from stlc.milp.encodings import compile_options
+from stlc.passes import PIPELINE
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """What to compare. Empty `encodings`: those of each suite. `peer` is a folder of MPS files."""
+
+    encodings: tuple[str, ...] = ()
+    backends: tuple[str, ...] = ("highs",)
+    passes: tuple[str, ...] = ("all",)
+    strategies: tuple[str, ...] = ("auto",)
+    repeat: int = 1
+    quick: bool = False
+    only: tuple[str, ...] = ()
+    peer: Path | None = None
+
+
+def schedule(
+    folder: Path, suites: Iterable[Suite], choice: Choice, limits: Limits
+) -> tuple[Job, ...]:
+    """Every run. Repeats are the outer loop, so that a slow hour of the machine touches all
+    configurations; within a problem the order of configurations is turned round each repeat.
+
+    UsageError for unknown encodings, passes or backends, and when nothing is left to run.
+    """
+    jobs = []
+    for repeat in range(choice.repeat):
+        for suite in suites:
+            for problem in _problems(suite, choice):
+                found = list(_jobs(folder, suite, problem, choice, limits))
+                if repeat % 2:
+                    found.reverse()
+                jobs += [replace(job, repeat=repeat) for job in found]
+    if not jobs:
+        raise UsageError("no problem of these suites is left; see `stlc bench --list`")
+    return tuple(jobs)
+
+
+def _problems(suite: Suite, choice: Choice) -> list[Problem]:
+    return [
+        problem
+        for problem in suite.problems
+        if (problem.quick or not choice.quick)
+        and (not choice.only or any(word in problem.name for word in choice.only))
+    ]
+
+
+def _jobs(
+    folder: Path, suite: Suite, problem: Problem, choice: Choice, limits: Limits
+) -> Iterator[Job]:
+    files = read_files(folder, problem)
+    where = (problem.axis, problem.size)
+    for config in configs(choice.encodings or suite.encodings, choice):
+        main = Path(problem.file).name
+        yield Job(
+            suite.name, problem.name, main, files, config, limits, 0, fingerprint(), *where
+        )  # fmt: skip
+    for name, path in _peers(problem, choice.peer):
+        for backend in choice.backends:
+            config = Config(f"peer {name}", backend)
+            peer = {path.name: path.read_bytes()}
+            yield Job(
+                suite.name, problem.name, path.name, peer, config, limits, 0, fingerprint(), *where
+            )  # fmt: skip
+
+
+def configs(encodings: Iterable[str], choice: Choice) -> tuple[Config, ...]:
+    """Every combination. '+' joins the kinds of one encoding: 'stl=log+link=hull'."""
+    from stlc import backends
+
+    for backend in choice.backends:
+        if (why := backends.get(backend).available()) is not None:
+            raise UsageError(f"backend {backend}: {why}")
+    found = tuple(
+        Config(encoding.replace("+", ","), backend, disabled, strategy)
+        for encoding in encodings
+        for disabled in ablations(choice.passes)
+        for strategy in choice.strategies
+        for backend in choice.backends
+    )
+    for config in found:
+        compile_options(config.encoding, config.disabled)
+    return found
+
+
+def ablations(words: Iterable[str]) -> tuple[tuple[str, ...], ...]:
+    """Sets of passes to leave out: 'all' leaves out none, 'none' all that can be,
+    'no-X' or 'no-X+Y' those, 'each' is 'all' and then each one alone."""
+    optional = tuple(p.name for p in PIPELINE if not p.lowering)
+    found: list[tuple[str, ...]] = []
+    for word in words:
+        match word:
+            case "all":
+                found.append(())
+            case "none":
+                found.append(optional)
+            case "each":
+                found += [(), *((name,) for name in optional)]
+            case _:
+                found.append(_left_out(word, optional))
+    return tuple(dict.fromkeys(found))
+
+
+def _left_out(word: str, optional: tuple[str, ...]) -> tuple[str, ...]:
+    names = tuple(word.removeprefix("no-").split("+"))
+    unknown = [name for name in names if name not in optional]
+    if not word.startswith("no-") or unknown:
+        raise UsageError(
+            f"--passes takes all, none, each or no-NAME (names joined by +), not {word!r}; passes "
+            f"that can be left out: {', '.join(optional)}"
+        )
+    return names
+
+
+def _peers(problem: Problem, folder: Path | None) -> list[tuple[str, Path]]:
+    """Models `PROBLEM__NAME.mps[.xz|.gz]` of a folder: (NAME, path)."""
+    if folder is None:
+        return []
+    if not folder.is_dir():
+        raise UsageError(f"--peer takes a folder of MPS files; {folder} is none")
+    paths = sorted(folder.glob(f"{problem.name}__*.mps*"))
+    return [(path.name.partition("__")[2].partition(".")[0], path) for path in paths]

@@ -1,0 +1,79 @@
+"""The store of finished runs: one SQLite file, one row a run, written the moment it is finished."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Collection, Iterator
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from stlc.bench.record import Record, from_json
+from stlc.errors import OutputError, UsageError
+
+_SCHEMA = """
+CREATE TABLE IF NOT EXISTS runs (
+  key TEXT PRIMARY KEY,
+  suite TEXT NOT NULL,
+  problem TEXT NOT NULL,
+  label TEXT NOT NULL,
+  repeat INTEGER NOT NULL,
+  finished TEXT NOT NULL,
+  record TEXT NOT NULL
+) WITHOUT ROWID
+"""
+_WAIT = 60.0  # s for another process that writes
+
+
+@dataclass(frozen=True, slots=True)
+class Store:
+    """A run is in it whole or not at all, and never twice (`key` is Job.key)."""
+
+    path: Path
+
+    def create(self) -> None:
+        """Make the file and its table. OutputError when it can't be written."""
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            with self._open() as base:
+                base.execute(_SCHEMA)
+        except (OSError, sqlite3.OperationalError) as error:
+            raise OutputError(f"cannot write the store {self.path}: {error}") from error
+
+    def add(self, record: Record) -> None:
+        """Keep a finished run; one that is there already stays as it is."""
+        row = (
+            record.key, record.suite, record.problem, record.label, record.repeat,
+            record.finished, record.to_json(),
+        )  # fmt: skip
+        try:
+            with self._open() as base:
+                base.execute("INSERT OR IGNORE INTO runs VALUES (?, ?, ?, ?, ?, ?, ?)", row)
+        except sqlite3.OperationalError as error:
+            raise OutputError(f"cannot write the store {self.path}: {error}") from error
+
+    def keys(self) -> frozenset[str]:
+        """Of all finished runs."""
+        with self._open() as base:
+            return frozenset(key for (key,) in base.execute("SELECT key FROM runs"))
+
+    def records(self, suites: Collection[str] = ()) -> tuple[Record, ...]:
+        """All runs (of `suites`, if any are named) in the order they were finished.
+
+        UsageError when there is no such file.
+        """
+        if not self.path.is_file():
+            raise UsageError(f"there is no store {self.path}; `stlc bench` makes one")
+        with self._open() as base:
+            rows = base.execute("SELECT suite, record FROM runs ORDER BY finished, key").fetchall()
+        return tuple(from_json(text) for suite, text in rows if not suites or suite in suites)
+
+    @contextmanager
+    def _open(self) -> Iterator[sqlite3.Connection]:
+        try:
+            with closing(sqlite3.connect(self.path, timeout=_WAIT)) as base, base:
+                yield base
+        except sqlite3.OperationalError:
+            raise
+        except sqlite3.DatabaseError as error:
+            raise UsageError(f"{self.path} is no store of benchmark runs: {error}") from error

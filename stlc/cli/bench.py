@@ -1,0 +1,169 @@
+"""`stlc bench`: runs benchmark suites; `stlc bench report`: what came out of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from stlc.cli.common import INTERRUPTED, interruptible
+
+if TYPE_CHECKING:
+    from stlc.bench.job import Job
+    from stlc.bench.problem import Suite
+    from stlc.bench.record import Record
+
+_STORE = Path("out/bench.sqlite")
+_QUICK_SECONDS = 10.0
+
+
+class _RunUnlessReport(click.Group):
+    """`stlc bench paper` means `stlc bench run paper`; only `report` is a command of its own."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        known = args and args[0] in self.commands
+        return super().parse_args(ctx, args if known else ["run", *args])
+
+
+@click.group("bench", cls=_RunUnlessReport)
+def bench_command() -> None:
+    """Benchmarks."""
+
+
+def _words(ctx: click.Context, param: click.Parameter, value: str) -> tuple[str, ...]:
+    """A list of words, separated by commas."""
+    return tuple(filter(None, (word.strip() for word in value.split(","))))
+
+
+@bench_command.command("run", options_metavar="[OPTIONS]")
+@click.argument("suites", nargs=-1, metavar="[SUITE]...")
+@click.option("--encodings", callback=_words, default="", metavar="A,B+C",
+              help="Instead of each suite's; '+' joins two kinds: stl=log+link=hull.")  # fmt: skip
+@click.option("--backends", callback=_words, default="highs", show_default=True, metavar="A,B")
+@click.option("--passes", callback=_words, default="all", show_default=True, metavar="A,B",
+              help="all, none, no-X, no-X+Y, or 'each': all, then without each one.")  # fmt: skip
+@click.option("--strategies", callback=_words, default="auto", show_default=True, metavar="A,B",
+              help="auto, milp; see `stlc solve --help`.")  # fmt: skip
+@click.option("--peer", type=click.Path(path_type=Path), metavar="DIR",
+              help="Solve DIR/PROBLEM__NAME.mps[.xz] beside ours.")  # fmt: skip
+@click.option(
+    "--only", callback=_words, default="", metavar="A,B", help="Problems with these in their name."
+)
+@click.option("--quick", is_flag=True, help="Only problems that take seconds; time limit 10 s.")
+@click.option("--time-limit", type=click.FloatRange(min=0, min_open=True), metavar="S",
+              help="Of the solver, for each run.  [default: 60, quick: 10]")  # fmt: skip
+@click.option("--repeat", type=click.IntRange(min=1), default=1, show_default=True, metavar="N")
+@click.option("--gap", type=click.FloatRange(min=0), default=1e-4, show_default=True)
+@click.option("--threads", type=click.IntRange(min=1), default=1, show_default=True)
+@click.option(
+    "--memory", type=click.FloatRange(min=0, min_open=True), metavar="GB", help="For each run."
+)
+@click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True,
+              help="Runs at once; more than one disturb each other's times.")  # fmt: skip
+@click.option("--cluster", metavar="ADDRESS", help="Run on a dask.distributed cluster.")
+@click.option("--store", type=click.Path(path_type=Path), default=_STORE, show_default=True,
+              help="Finished runs; those already in it are not made again.")  # fmt: skip
+@click.option("--registry", type=click.Path(path_type=Path), metavar="DIR",
+              help="Folder of registry.py and missions/.  [default: the checkout's]")  # fmt: skip
+@click.option("--list", "listing", is_flag=True, help="List suites and problems, run nothing.")
+def run_command(suites: tuple[str, ...], **words: Any) -> int:
+    """Run benchmark suites (all of them, if none is named), each solve in its own process.
+
+    A run that was interrupted or killed goes on where it was when the same command is given
+    again. `stlc bench report --help` says how to look at the results.
+    """
+    from stlc.bench.registry import chosen_suites, default_folder, load_suites
+    from stlc.bench.schedule import schedule
+    from stlc.bench.store import Store
+
+    folder = words["registry"] or default_folder()
+    chosen = chosen_suites(load_suites(folder), suites)
+    if words["listing"]:
+        click.echo(_listing(chosen))
+        return 0
+    jobs = schedule(folder, chosen, _choice(words), _limits(words))
+    store = Store(words["store"])
+    store.create()
+    finished = store.keys()
+    left = [job for job in jobs if job.key not in finished]
+    complete = _make(left, len(jobs), store, words)
+    click.echo(_closing(jobs, store))
+    return 0 if complete else INTERRUPTED
+
+
+def _choice(words: dict[str, Any]) -> Any:
+    from stlc.bench.schedule import Choice
+
+    return Choice(
+        words["encodings"], words["backends"], words["passes"], words["strategies"],
+        words["repeat"], words["quick"], words["only"], words["peer"],
+    )  # fmt: skip
+
+
+def _limits(words: dict[str, Any]) -> Any:
+    from stlc.bench.job import Limits
+
+    seconds = words["time_limit"] or (_QUICK_SECONDS if words["quick"] else 60.0)
+    memory = None if words["memory"] is None else int(words["memory"] * 2**30)
+    return Limits(seconds, words["gap"], words["threads"], memory)
+
+
+def _make(left: list[Job], total: int, store: Any, words: dict[str, Any]) -> bool:
+    """Make the runs that are left; False when interrupted."""
+    from dataclasses import replace
+
+    command = _command()
+    with interruptible() as stop:
+        for count, record in enumerate(_executor(left, words, stop), total - len(left) + 1):
+            store.add(replace(record, command=command))
+            click.echo(f"[{count}/{total}] {_line(record)}", err=True)
+        return not stop()
+
+
+def _executor(left: list[Job], words: dict[str, Any], stop: Any) -> Iterable[Record]:
+    if words["cluster"]:
+        from stlc.bench.cluster import run_on_cluster
+
+        return run_on_cluster(words["cluster"], left, stop)
+    from stlc.bench.local import run_local
+
+    return run_local(left, words["workers"], stop)
+
+
+def _command() -> str:
+    import shlex
+    import sys
+
+    return shlex.join(["stlc", *sys.argv[1:]])
+
+
+def _line(record: Record) -> str:
+    value = "-" if record.objective is None else f"{record.objective:.6g}"
+    seconds = record.proof or record.wall_seconds or 0.0
+    name = f"{record.suite}/{record.problem}"
+    return (
+        f"{name:42} {record.label:28} {record.status:13} {value:>10} {seconds:8.2f} s"
+        f"{'  ' + record.message[:60] if record.message and not record.certified else ''}"
+    )
+
+
+def _closing(jobs: tuple[Job, ...], store: Any) -> str:
+    keys = {job.key for job in jobs}
+    ours = [r for r in store.records() if r.key in keys]
+    solved = sum(r.solved for r in ours)
+    return (
+        f"{len(ours)} of {len(jobs)} runs are in {store.path}, {solved} solved to proof; "
+        f"see them with: stlc bench report --store {store.path}"
+    )
+
+
+def _listing(suites: tuple[Suite, ...]) -> str:
+    lines = []
+    for suite in suites:
+        lines.append(f"{suite.name}: {suite.title} (encodings: {', '.join(suite.encodings)})")
+        for problem in suite.problems:
+            quick = "quick" if problem.quick else ""
+            lines.append(f"  {problem.name:36} {quick:6} {problem.generator}".rstrip())
+    return "\n".join(lines)
