@@ -132,7 +132,7 @@ def propagate(boxes: Mapping[str, Box], musts: Sequence[tuple[Linear, float]]) -
                 _equalities(box, matrix, step)
             for step in reversed(range(len(box.u_lower))):
                 _equalities(box, matrix, step)
-            _check(box)
+            _check(box, "what the requirements demand" if musts else "its bounds")
 
 
 def _equalities(box: Box, matrix: Floats, step: int) -> None:
@@ -196,13 +196,13 @@ def _apply(boxes: Mapping[str, Box], predicate: Linear, level: float) -> None:
         boxes[signal.owner].narrow(signal.role, signal.shift, signal.index, *limits)
 
 
-def _check(box: Box) -> None:
+def _check(box: Box, why: str) -> None:
     gap = box.x_lower - box.x_upper
     if gap.size and gap.max() > 1e-6:
         step, index = np.unravel_index(int(gap.argmax()), gap.shape)
         name = box.agent.dynamics.states[int(index)]
         raise InfeasibleError(
-            f"agent '{box.agent.name}' cannot keep its bounds: no value of {name} is left at "
+            f"agent '{box.agent.name}' cannot keep {why}: no value of {name} is left at "
             f"step {int(step)}"
         )
     u_gap = box.u_lower - box.u_upper
@@ -218,9 +218,7 @@ def ranges_of(box: Box) -> Ranges:
     return Ranges(x_low, x_high, u_low, u_high, *position)
 
 
-def position_ranges(
-    position: Floats | None, lower: Floats, upper: Floats
-) -> tuple[Floats, Floats]:
+def position_ranges(position: Floats | None, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
     """Intervals (T+1, 2) of the position of an agent; zeros for one that is nowhere."""
     if position is None:
         nowhere = np.zeros((len(lower), 2))

@@ -135,7 +135,8 @@ class _Search:
         for k, group in enumerate(groups):
             group_of[group] = k
         search = _Search(
-            model, rho, _load(model, rho, target - _SHORT * abs(target)), np.flatnonzero(model.integrality), groups, group_of,
+            model, rho, _load(model, rho, target - _SHORT * abs(target)),
+            np.flatnonzero(model.integrality), groups, group_of,
             np.array(asserted, bool), np.array(over_time, bool), conflicts,
             model.col_upper.copy(), model.col_lower.copy(), np.random.default_rng(seed),
         )  # fmt: skip

@@ -1,19 +1,115 @@
-"""Why a requirement cannot hold: the error that interval analysis raises."""
+"""Why a requirement cannot hold: the error that interval analysis raises.
+
+The blame is followed down the formula: into a conjunct or a step that fails, to an `eventually`
+or a predicate whose static upper bound stays below the margin. Reach sets over a longer horizon
+then tell from which step on it would be possible.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
 from stlc.errors import InfeasibleError
-from stlc.mission import Mission
+from stlc.ir.nodes import Always, And, Eventually, Node, Until
+from stlc.milp.bounds import static_bounds
+from stlc.milp.reach import reach
+from stlc.mission import Mission, Requirement
+from stlc.source import Span
+
+_TOLERANCE = 1e-6
+_LONGER = 3  # times the horizon, for the earliest possible step
+
+
+@dataclass(frozen=True, slots=True)
+class Blame:
+    """What fails: needed by step `deadline` (inclusive), possible from `earliest` (None: never)."""
+
+    span: Span | None
+    deadline: int
+    earliest: int | None
+
+    def __str__(self) -> str:
+        where = f"{self.span}: " if self.span else ""
+        what = f"`{self.span.text}`" if self.span else "a part of it"
+        if self.earliest is None:
+            return f"{where}{what} is out of reach at every step"
+        return (
+            f"{where}{what} is possible at step {self.earliest} at the earliest, "
+            f"the deadline is step {self.deadline}"
+        )
 
 
 class Unreachable(InfeasibleError):
-    """A requirement is out of reach whatever the others say."""
+    """A requirement is out of reach; `blame` says what of it, where in the file, and when."""
 
-    def __init__(self, message: str, requirement: str) -> None:
-        self.requirement = requirement
-        super().__init__(message)
+    def __init__(self, requirement: Requirement, blame: Blame) -> None:
+        self.requirement = requirement.name
+        self.span = requirement.span
+        self.blame = blame
+        super().__init__(f"requirement '{requirement.name}' cannot hold: {blame}")
 
 
 def unreachable(mission: Mission, name: str) -> Unreachable:
     """The error for the requirement of that name."""
-    return Unreachable(f"requirement '{name}' cannot hold", name)
+    requirement = next(r for r in mission.requirements if r.name == name)
+    return Unreachable(requirement, _Analysis(mission, requirement.margin).blame(requirement))
+
+
+@dataclass(frozen=True, slots=True)
+class _Analysis:
+    mission: Mission
+    margin: float
+
+    def blame(self, requirement: Requirement) -> Blame:
+        """Follow the failing parts of the formula, which is judged from step 0."""
+        node, first, last = requirement.formula, 0, 0
+        while True:
+            failing = self._failing(node, first)
+            if failing is None:
+                break
+            node, first, last = failing
+        if isinstance(node, Eventually):
+            last = self.mission.horizon if node.end is None else first + node.end
+        found = node.span or requirement.span
+        return Blame(found, last, self._earliest(node, first))
+
+    def _failing(self, node: Node, step: int) -> tuple[Node, int, int] | None:
+        """The part of a failing node that already fails, from which step, needed until when."""
+        match node:
+            case And(args=args):
+                parts = [(part, step, step) for part in args]
+            case Always(arg=arg, start=a, end=b):
+                end = self.mission.horizon if b is None else step + b
+                parts = [(arg, t, t) for t in range(step + a, end + 1)]
+            case Until(right=right, start=a, end=b):
+                parts = [(Eventually(right, a, b, span=right.span), step, step)]
+            case _:
+                return None
+        possible = self._possible([(part, t) for part, t, _ in parts], self.mission)
+        return next((p for p, may in zip(parts, possible, strict=True) if not may), None)
+
+    def _earliest(self, node: Node, step: int) -> int | None:
+        body = node.arg if isinstance(node, Eventually) else node
+        longer = replace(self.mission, horizon=_LONGER * self.mission.horizon + 20)
+        steps = range(step, longer.horizon + 1)
+        possible = self._possible([(body, t) for t in steps], longer)
+        return next((t for t, may in zip(steps, possible, strict=True) if may), None)
+
+    def _possible(self, parts: Sequence[tuple[Node, int]], mission: Mission) -> list[bool]:
+        """Whether the static upper bound of each part at its step reaches the margin."""
+        from stlc.milp.links import LinkTables
+        from stlc.passes import cse, horizon, nnf, unroll
+        from stlc.passes.base import Program
+
+        last = horizon.last_steps(tuple(p for p, _ in parts), mission.horizon)
+        judged = [k for k, (part, step) in enumerate(parts) if last[part] >= step]
+        asked = tuple(
+            Requirement(str(k), Eventually(parts[k][0], parts[k][1], parts[k][1])) for k in judged
+        )
+        program = Program(asked, mission, reach(mission), LinkTables(mission))
+        for step in (nnf, horizon, cse, unroll):
+            program = step.run(program)
+        bounds = static_bounds(program.formulas, program.ranges, None, program.link_bounds)
+        best = dict(zip(judged, (bounds[f][1] for f in program.formulas), strict=True))
+        return [best.get(k, -1e300) >= self.margin - _TOLERANCE for k in range(len(parts))]

@@ -36,6 +36,7 @@ _TOLERANCE = 1e-6  # a satisfied formula may miss its margin by this much
 
 def run(program: Program) -> Program:
     """Decide predicates and narrow the ranges, in turns."""
+    program = _decide(program)  # before narrowing: one requirement alone is the clearer error
     for _ in range(_ROUNDS):
         before = program
         program = _decide(_narrow(program))

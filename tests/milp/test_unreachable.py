@@ -1,0 +1,52 @@
+"""What interval analysis says of requirements that cannot hold."""
+
+from __future__ import annotations
+
+import pytest
+
+from stlc.errors import InfeasibleError
+from stlc.ir.nodes import Always, And, Eventually, Linear, Node, Role, Signal
+from stlc.milp.compile import compile_mission
+from stlc.milp.unreachable import Unreachable
+from stlc.mission import Mission, Requirement
+from stlc.source import Source
+from tests.milp.worlds import agent, mission
+
+TEXT = Source("m.stl", "eventually[0,3] far")
+FAR = Linear(((Signal("a", Role.STATE, 0), 1.0),), -6.0, span=TEXT.span(16, 19))
+
+
+def world(formula: Node, limit: float = 50.0) -> Mission:
+    one = agent("a", "single", 0.0, limit)
+    return mission((one,), 4, (Requirement("far", formula, span=TEXT.span(0, 19)),))
+
+
+def test_deadline_before_the_earliest_step() -> None:
+    with pytest.raises(Unreachable) as found:
+        compile_mission(world(Eventually(FAR, 0, 3, span=TEXT.span(0, 19))))
+    assert found.value.exit_status == 3
+    assert found.value.blame.earliest == 6
+    assert found.value.blame.deadline == 3
+    assert str(found.value) == (
+        "requirement 'far' cannot hold: m.stl:1:1: `eventually[0,3] far` is possible at step 6 "
+        "at the earliest, the deadline is step 3"
+    )
+
+
+def test_blame_goes_into_conjuncts_and_steps() -> None:
+    near = Linear(((Signal("a", Role.STATE, 0), 1.0),), 9.0)
+    with pytest.raises(Unreachable) as found:
+        compile_mission(world(And((Always(near, 0, 4), Always(FAR, 2, 4)))))
+    assert found.value.blame.span == FAR.span
+    assert (found.value.blame.deadline, found.value.blame.earliest) == (2, 6)
+
+
+def test_bounds_can_put_it_out_of_reach_for_good() -> None:
+    with pytest.raises(Unreachable, match="out of reach at every step"):
+        compile_mission(world(Eventually(FAR, 0, 3), limit=5.0))
+
+
+def test_contradictory_bounds_name_the_agent() -> None:
+    one = agent("a", "single", 9.0, 5.0)
+    with pytest.raises(InfeasibleError, match="agent 'a' cannot keep its bounds"):
+        compile_mission(mission((one,), 4, ()))
