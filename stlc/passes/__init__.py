@@ -10,7 +10,19 @@ from stlc.errors import UsageError
 from stlc.ir.printer import print_program
 from stlc.ir.rewrite import postorder
 from stlc.ir.verify import Stage, verify
-from stlc.passes import cse, decide, distribute, flatten, fold, horizon, nnf, stages, unroll
+from stlc.passes import (
+    absorb,
+    cse,
+    decide,
+    distribute,
+    flatten,
+    fold,
+    horizon,
+    merge,
+    nnf,
+    stages,
+    unroll,
+)
 from stlc.passes.base import Pass, Program
 
 __all__ = ["PIPELINE", "Pass", "PassStats", "Program", "run_pipeline"]
@@ -25,11 +37,14 @@ PIPELINE: tuple[Pass, ...] = (
     fold.PASS,
     flatten.PASS,
     horizon.PASS,
+    merge.PASS,
+    absorb.PASS,
     cse.PASS,
     unroll.PASS,
     _again(fold.PASS, "fold-steps", "unroll"),
     decide.PASS,
     _again(flatten.PASS, "flatten-steps", "unroll"),
+    _again(absorb.PASS, "absorb-steps", "unroll"),
     distribute.PASS,
     stages.PASS,
     replace(decide.PASS, name="decide-again", after=("decide", "stages")),

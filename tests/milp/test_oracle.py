@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,9 +12,10 @@ from hypothesis import strategies as st
 
 from stlc.backends import get
 from stlc.backends.base import SolveOptions, Status
-from stlc.errors import InfeasibleError
+from stlc.errors import InfeasibleError, UsageError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.milp.selectors import Selector
+from stlc.milp.start import find_start
 from stlc.mission import Mission, ObjectiveTerm, Requirement, TermKind
 from stlc.passes import PIPELINE
 from stlc.passes.horizon import last_steps
@@ -113,3 +115,31 @@ def test_least_effort(world: Mission, one: CompileOptions, other: CompileOptions
         assert (found is None) == (not costs)
         if found is not None:
             assert found[0] == pytest.approx(min(costs), abs=NEAR)
+
+
+@given(worlds(most_robust()), options())
+def test_continuous_inputs_have_one_optimum(world: Mission, how: CompileOptions) -> None:
+    free = {n: replace(a, integer_inputs=False) for n, a in world.agents.items()}
+    world = replace(world, agents=free)
+    try:
+        plain = solve(world, CompileOptions(disabled_passes=frozenset(OPTIONAL)))
+    except UsageError:
+        assume(False)  # robustness without an upper bound: a formula that is always true
+    other = solve(world, how)
+    assert (plain is None) == (other is None)
+    if plain is None or other is None:
+        return
+    assert other[0] == pytest.approx(plain[0], abs=NEAR)
+    reached = min(value(r.formula, other[1]) for r in world.requirements)
+    assert reached == pytest.approx(-other[0], abs=NEAR)
+    start = find_start(other[2], most_lps=60)
+    if start is not None:
+        model = other[2].model
+        rows = model.A @ start.x
+        assert (rows >= model.row_lower - NEAR).all()
+        assert (rows <= model.row_upper + NEAR).all()
+        assert start.objective >= plain[0] - NEAR
+        assert start.bound <= plain[0] + NEAR
+        run = other[2].decode(start.x)
+        reached = min(value(r.formula, run) for r in world.requirements)
+        assert reached >= -start.objective - NEAR

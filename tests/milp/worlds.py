@@ -130,7 +130,9 @@ def formulas(base: st.SearchStrategy[Node]) -> st.SearchStrategy[Node]:
             st.builds(Implies, inner, inner),
             st.builds(Iff, inner, inner),
             st.builds(Timed, few),
-            st.builds(lambda k, a, w: k(a, *w), st.sampled_from([Always, Eventually]), inner, spans),
+            st.builds(
+                lambda k, a, w: k(a, *w), st.sampled_from([Always, Eventually]), inner, spans
+            ),
             st.builds(
                 lambda k, a, b, w: k(a, b, *w), st.sampled_from([Until, Release]), inner, inner,
                 spans,

@@ -63,11 +63,25 @@ CASES = [
     ("flatten", f"and(and({P}, {Q}), {P})", f"and({P}, {Q})"),
     ("horizon", f"always[1,inf]({P})", f"always[1,4]({P})"),
     ("horizon", f"eventually[0,inf]({R})", f"eventually[0,3]({R})"),
+    ("merge", f"always[1,2](always[0,2]({P}))", f"always[1,4]({P})"),
+    ("merge", f"eventually[0,1](eventually[1,2]({P}))", f"eventually[1,3]({P})"),
+    ("merge", f"and(always[0,2]({P}), {Q}, always[3,4]({P}))", f"and(always[0,4]({P}), {Q})"),
+    (
+        "merge",
+        f"and(always[0,1]({P}), always[3,4]({P}))",
+        f"and(always[0,1]({P}), always[3,4]({P}))",
+    ),
+    ("merge", f"or(eventually[0,2]({P}), eventually[1,4]({P}))", f"eventually[0,4]({P})"),
+    ("absorb", f"and({P}, or({Q}, {P}))", f"{P}"),
+    ("absorb", f"or(and({P}, {Q}), {P})", f"{P}"),
+    ("absorb", f"and({P}, [1*a.state.0 + 3], {Q})", f"and({P}, {Q})"),
+    ("absorb", f"or({P}, [1*a.state.0 + 3])", "[1*a.state.0 + 3]"),
     ("unroll", f"always[1,2]({P})", "and([1*a.state.0@1 + -1], [1*a.state.0@2 + -1])"),
     (
         "unroll",
         f"until[0,1]({R}, {P})",
-        "or(and([1*a.input.0 + 0], [1*a.state.0 - 1]), and(and([1*a.input.0 + 0], [1*a.input.0@1 + 0]), "
+        "or(and([1*a.input.0 + 0], [1*a.state.0 - 1]), "
+        "and(and([1*a.input.0 + 0], [1*a.input.0@1 + 0]), "
         "[1*a.state.0@1 + -1]))",
     ),
     ("decide", f"eventually[0,3]({P})", "or([1*a.state.0@2 + -1], [1*a.state.0@3 + -1])"),
