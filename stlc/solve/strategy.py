@@ -12,9 +12,17 @@ from stlc.milp.compile import Compiled
 def run_strategy(
     name: str, compiled: Compiled, backend: Backend, options: SolveOptions
 ) -> Solution:
-    """`milp`: one plain solve. `auto`: a start is looked for first where the model offers one;
-    one that reaches a static bound is optimal and needs no solver."""
-    if name != "auto" or options.start is not None:
+    """`milp`: one plain solve. `auto`: link costs between moving agents have a search of their
+    own; else a start is looked for first where the model offers one, and one that reaches a static
+    bound is optimal and needs no solver."""
+    if name != "auto":
+        return backend.solve(compiled.model, options)
+    from stlc.solve.links.strategy import solve_links
+
+    linked = solve_links(compiled, backend, options)
+    if linked is not None:
+        return linked
+    if options.start is not None:
         return backend.solve(compiled.model, options)
     from stlc.milp.start import find_start
 

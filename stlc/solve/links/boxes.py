@@ -1,0 +1,150 @@
+"""Boxes of (position, rate) on one axis, and the cheapest admissible step between two of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stlc.solve.links.problem import Axis, Bools, Floats, Ints
+
+TOUCH = 1e-6  # m: a border this close to a face counts as on it
+EPS = 1e-7
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AxisGrid:
+    """box (n, 4): p_lo, p_hi, w_lo, w_hi; cell (n,) along the axis; thin (n,): next to no width.
+
+    host (n, 2): the part of the cell that a thin box lies at the end of, else the box itself.
+    """
+
+    box: Floats
+    cell: Ints
+    thin: Bools
+    host: Floats
+
+    def take(self, kept: Ints) -> AxisGrid:
+        """Some of the boxes."""
+        return AxisGrid(self.box[kept], self.cell[kept], self.thin[kept], self.host[kept])
+
+
+def axis_grid(edges: Floats, faces: Sequence[float], rates: Floats) -> AxisGrid:
+    """Cells cut at faces, times bins of the rate.
+
+    Cells are closed and so is the outside of an obstacle: where a face lies on a cell border, an
+    agent on it may count in the cell behind. Such points get boxes of zero width, at the end.
+    """
+    inner = [f for f in faces if edges[0] < f < edges[-1] and np.abs(edges - f).min() > TOUCH]
+    cuts = np.unique(np.concatenate([edges, inner]))
+    parts = np.stack([cuts[:-1], cuts[1:]], 1)
+    cell = np.searchsorted(edges, parts.mean(1)) - 1
+    thin = _borders(edges, faces)
+    at = np.array([[low, high] for low, high, _ in thin]).reshape(-1, 2)
+    behind = np.array([c for _, _, c in thin], np.int64)
+    hosts = [_host(parts[cell == c], ends) for ends, c in zip(at, behind, strict=True)]
+    span = np.concatenate([parts, at])
+    host = np.concatenate([parts, np.array(hosts).reshape(-1, 2)])
+    cell = np.concatenate([cell, behind]).astype(np.int64)
+    bins = len(rates) - 1
+    rate = np.stack([np.tile(rates[:-1], len(span)), np.tile(rates[1:], len(span))], 1)
+    box = np.hstack([np.repeat(span, bins, axis=0), rate])
+    narrow = np.repeat(span[:, 1] - span[:, 0] <= 2 * TOUCH, bins)
+    return AxisGrid(box, np.repeat(cell, bins), narrow, np.repeat(host, bins, axis=0))
+
+
+def _borders(edges: Floats, faces: Sequence[float]) -> list[tuple[float, float, int]]:
+    """(low, high, cell): both cells of every border that a face lies on."""
+    found = set()
+    for face in faces:
+        k = int(np.argmin(np.abs(edges - face)))
+        ends = (float(min(face, edges[k])), float(max(face, edges[k])))
+        if abs(edges[k] - face) <= TOUCH:
+            found |= {(*ends, c) for c in (k - 1, k) if 0 <= c < len(edges) - 1}
+    return sorted(found)
+
+
+def _host(parts: Floats, ends: Floats) -> Floats:
+    """The part (of one cell) nearest to a thin box."""
+    gap = np.abs(parts.mean(1) - ends.mean())
+    nearest: Floats = parts[int(np.argmin(gap))]
+    return nearest
+
+
+def point_grid(p: float, w: float) -> AxisGrid:
+    """One state. Its cell is never asked for."""
+    return AxisGrid(
+        np.array([[p, p, w, w]]), np.zeros(1, np.int64), np.zeros(1, bool), np.array([[p, p]])
+    )
+
+
+def feasible_pairs(src: Floats, dst: Floats, axis: Axis) -> tuple[Ints, Ints]:
+    """Pairs (sorted by source) with an admissible step between some points of both boxes.
+
+    A relaxation: the limits on w' - w and on p' - p are met one by one.
+    """
+    a, b, beta = src[:, None, :], dst[None, :, :], axis.blend
+    least, most = b[..., 0] - a[..., 1] - EPS, b[..., 1] - a[..., 0] + EPS
+    jump = axis.jump + EPS
+    v_lo, v_hi = np.maximum(a[..., 2], b[..., 2] - jump), np.minimum(a[..., 3], b[..., 3] + jump)
+    w_lo, w_hi = np.maximum(b[..., 2], v_lo - jump), np.minimum(b[..., 3], v_hi + jump)
+    low, high = (1 - beta) * v_lo + beta * w_lo, (1 - beta) * v_hi + beta * w_hi
+    fine = (v_lo <= v_hi + EPS) & (low <= most) & (high >= least)
+    i, j = np.nonzero(fine)
+    return i, j
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Edges:
+    """n box pairs: src, dst (n, 4); blend, jump, dear, turn (n,): the axis and its costs."""
+
+    src: Floats
+    dst: Floats
+    blend: Floats
+    jump: Floats
+    dear: Floats
+    turn: Floats
+
+
+def edge_min(edges: Edges, a0: Floats, a1: Floats) -> Floats:
+    """(n,): least dear |w'| + turn |w' - w| + a1.(p', w') - a0.(p, w) over admissible steps.
+
+    a0, a1 (n, 2) are the slopes of the potentials at both ends. For fixed (w, w') the best p is
+    an end of an interval; what remains is convex and piecewise linear in (w, w'), so its minimum
+    lies on a vertex of the arrangement of border and kink lines. Borders are relaxed by EPS; inf
+    where no step is admissible.
+    """
+    e = edges
+    v0, v1 = e.src[:, 2] - EPS, e.src[:, 3] + EPS
+    w0, w1 = e.dst[:, 2] - EPS, e.dst[:, 3] + EPS
+    s0, s1 = e.dst[:, 0] - e.src[:, 1] - EPS, e.dst[:, 1] - e.src[:, 0] + EPS
+    slope = a1[:, 0] - a0[:, 0]
+    rising = slope >= 0
+    kink = np.where(rising, e.dst[:, 0] - e.src[:, 0], e.dst[:, 1] - e.src[:, 1])
+    one, zero = np.ones(len(slope)), np.zeros(len(slope))
+    rest, blend = 1 - e.blend, e.blend
+    lines = [
+        (one, zero, v0), (one, zero, v1), (zero, one, w0), (zero, one, w1),
+        (-one, one, -e.jump), (-one, one, e.jump), (rest, blend, s0), (rest, blend, s1),
+        (zero, one, zero), (-one, one, zero), (rest, blend, kink),
+    ]  # fmt: skip
+    best, tol = np.full(len(slope), np.inf), 4 * EPS
+    for m, (c0, c1, d0) in enumerate(lines):
+        for e0, e1, d1 in lines[:m]:
+            det = c0 * e1 - c1 * e0
+            if not det.any():
+                continue
+            with np.errstate(divide="ignore", invalid="ignore"):
+                v, w = (d0 * e1 - c1 * d1) / det, (c0 * d1 - e0 * d0) / det
+            s = rest * v + blend * w
+            fine = (v >= v0 - tol) & (v <= v1 + tol) & (w >= w0 - tol) & (w <= w1 + tol)
+            fine &= (np.abs(w - v) <= e.jump + tol) & (s >= s0 - tol) & (s <= s1 + tol)
+            p = np.where(
+                rising, np.maximum(e.src[:, 0], e.dst[:, 0] - s),
+                np.minimum(e.src[:, 1], e.dst[:, 1] - s),
+            )  # fmt: skip
+            value = e.dear * np.abs(w) + e.turn * np.abs(w - v) + slope * p
+            value += a1[:, 0] * s + a1[:, 1] * w - a0[:, 1] * v
+            best = np.where(fine & (value < best), value, best)
+    return best

@@ -1,0 +1,212 @@
+"""States of one agent at each step: axis boxes, and whether its choice over time is behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stlc.solve.links.boxes import EPS, AxisGrid, axis_grid, point_grid
+from stlc.solve.links.problem import Body, Bools, Floats, Ints, Problem
+from stlc.solve.links.reach import Tubes, boxes_meet
+
+MARGIN = 1e-6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Layer:
+    """States (n,), sorted by cell: axis boxes x[ix], y[iy]; bit 1: the choice is behind.
+
+    `parent` numbers the state of the layer this one was made from.
+    """
+
+    x: AxisGrid
+    y: AxisGrid
+    ix: Ints
+    iy: Ints
+    bit: Ints
+    cell: Ints
+    parent: Ints
+
+    def __len__(self) -> int:
+        return len(self.ix)
+
+    def bounds(self) -> Floats:
+        """(2, 4): p_lo, p_hi, w_lo, w_hi of all states along each axis."""
+        boxes = (self.x.box[self.ix], self.y.box[self.iy])
+        return np.array(
+            [[b[:, 0].min(), b[:, 1].max(), b[:, 2].min(), b[:, 3].max()] for b in boxes]
+        )
+
+
+def start_layer(body: Body) -> Layer:
+    """The start, with the choice ahead (or nothing to choose: behind)."""
+    zero = np.zeros(1, np.int64)
+    bit = zero if body.places else zero + 1
+    x, y = (point_grid(*axis.start) for axis in body.axes)
+    return Layer(x, y, zero, zero, bit, zero, zero)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Maker:
+    """Makes the layers of one agent. `bins` (2,) arrays of rate borders along each axis."""
+
+    problem: Problem
+    body: Body
+    tubes: Tubes
+    taken: tuple[int, ...]
+    bins: tuple[Floats, Floats]
+
+    def layers(self, old: Sequence[Layer] | None = None) -> list[Layer]:
+        """Layers 0..T; with `old` only children of its states."""
+        grids = [
+            axis_grid(self.problem.edges[d], _faces(self.body, d), self.bins[d]) for d in (0, 1)
+        ]
+        out = [start_layer(self.body)]
+        for t in range(1, self.problem.steps + 1):
+            out.append(self._layer(t, grids[0], grids[1], old[t] if old else None))
+        return out
+
+    def _layer(self, t: int, x: AxisGrid, y: AxisGrid, old: Layer | None) -> Layer:
+        x, y = (_within(g, axis.box[t]) for g, axis in zip((x, y), self.body.axes, strict=True))
+        if old is None:
+            grid = np.indices((len(x.box), len(y.box))).reshape(2, -1)
+            ix, iy = grid
+            parent = np.zeros((2, len(ix)), np.int64)
+        else:
+            ix, iy, parent = _children(x, y, old)
+        cell = x.cell[ix] * self.problem.shape[1] + y.cell[iy]
+        keep = self.problem.owner[cell] >= 0
+        keep &= admissible(self.body, t, x, y, ix, iy)
+        ix, iy, parent = ix[keep], iy[keep], parent[:, keep]
+        alive = reach_bits(self.body, self.tubes, self.taken, t, x, y, ix, iy) & (parent >= 0)
+        bit, position = np.nonzero(alive)
+        return self._sorted(x, y, ix[position], iy[position], bit, parent[bit, position])
+
+    def _sorted(
+        self, x: AxisGrid, y: AxisGrid, ix: Ints, iy: Ints, bit: Ints, parent: Ints
+    ) -> Layer:
+        used_x, ix = np.unique(ix, return_inverse=True)
+        used_y, iy = np.unique(iy, return_inverse=True)
+        x, y = x.take(used_x), y.take(used_y)
+        cell = x.cell[ix] * self.problem.shape[1] + y.cell[iy]
+        order = np.lexsort((iy, ix, bit, cell))
+        return Layer(x, y, ix[order], iy[order], bit[order], cell[order], parent[order])
+
+
+def _faces(body: Body, d: int) -> list[float]:
+    faces = {
+        float(v)
+        for groups in body.avoid.values()
+        for group in groups
+        for box in group
+        for v in box[d]
+        if np.isfinite(v)
+    }
+    return sorted(faces)
+
+
+def _within(grid: AxisGrid, box: Floats) -> AxisGrid:
+    """Boxes that meet the range of a step."""
+    b = grid.box
+    meets = (b[:, 0] <= box[1] + MARGIN) & (b[:, 1] >= box[0] - MARGIN)
+    meets &= (b[:, 2] <= box[3] + MARGIN) & (b[:, 3] >= box[2] - MARGIN)
+    return grid.take(np.flatnonzero(meets))
+
+
+def admissible(body: Body, t: int, x: AxisGrid, y: AxisGrid, ix: Ints, iy: Ints) -> Bools:
+    """Boxes that meet the speed polygon, and with some width one alternative of each avoidance.
+
+    What touches an alternative only along a face lies in the boxes of zero width.
+    """
+    fine = np.ones(len(ix), bool)
+    for nx, ny, c in body.faces:
+        least = np.minimum(nx * x.box[:, 2], nx * x.box[:, 3])[ix]
+        least = least + np.minimum(ny * y.box[:, 2], ny * y.box[:, 3])[iy]
+        fine &= least <= c + EPS
+    if not (x.thin.any() or y.thin.any() or body.avoid.get(t)):
+        return fine
+    thin_x, thin_y = x.thin[ix], y.thin[iy]
+    free = {(a, b): _outside(body, t, x, y, a, b)[ix, iy] for a in (0, 1) for b in (0, 1)}
+    spare = (thin_x & free[1, 0]) | (thin_y & free[0, 1]) | (thin_x & thin_y & free[1, 1])
+    return np.asarray(fine & free[0, 0] & ~spare)
+
+
+def _outside(body: Body, t: int, x: AxisGrid, y: AxisGrid, host_x: int, host_y: int) -> Bools:
+    """(nx, ny): with some width in an alternative of every avoidance; hosts for thin boxes."""
+    fine = np.ones((len(x.box), len(y.box)), bool)
+    for group in body.avoid.get(t, ()):
+        some = np.zeros_like(fine)
+        for box in group:
+            some |= np.logical_and.outer(
+                _overlaps(x, box[0], bool(host_x)), _overlaps(y, box[1], bool(host_y))
+            )
+        fine &= some
+    return fine
+
+
+def _overlaps(grid: AxisGrid, span: Floats, host: bool) -> Bools:
+    part = grid.host if host else grid.box[:, :2]
+    low, high = np.maximum(part[:, 0], span[0]), np.minimum(part[:, 1], span[1])
+    if host:
+        return np.asarray(high - low > MARGIN)
+    return np.where(grid.thin, high >= low - 1e-9, high - low > MARGIN)
+
+
+def reach_bits(
+    body: Body, tubes: Tubes, taken: Sequence[int], t: int, x: AxisGrid, y: AxisGrid,
+    ix: Ints, iy: Ints,
+) -> Bools:  # fmt: skip
+    """(2, n): can a run be here at t with its choice still ahead (0), or behind (1)?"""
+    fine = np.zeros((2, len(ix)), bool)
+    oblique = [_projected(x, y, ix, iy, d) for d in tubes.directions[2:]]
+    for j in taken:
+        bit = int(tubes.steps[j] <= t)
+        meets = boxes_meet(x.box, tubes.sets[0][j][t])[ix]
+        meets &= boxes_meet(y.box, tubes.sets[1][j][t])[iy]
+        left = np.flatnonzero(meets & ~fine[bit])
+        for number, boxes in enumerate(oblique, start=2):
+            left = left[boxes_meet(boxes[left], tubes.sets[number][j][t])]
+        fine[bit, left] = True
+    return fine
+
+
+def _projected(x: AxisGrid, y: AxisGrid, ix: Ints, iy: Ints, d: Floats) -> Floats:
+    """(n, 4): ranges of (d.p, d.w) over the boxes."""
+    out = []
+    for k in (0, 2):
+        a, b = d[0] * x.box[:, k : k + 2], d[1] * y.box[:, k : k + 2]
+        out += [a.min(1)[ix] + b.min(1)[iy], a.max(1)[ix] + b.max(1)[iy]]
+    return np.stack(out, 1)
+
+
+def _children(x: AxisGrid, y: AxisGrid, old: Layer) -> tuple[Ints, Ints, Ints]:
+    """Boxes within states of `old`, and for both bits the state (or -1)."""
+    px, py = _parents(x, old.x), _parents(y, old.y)
+    table = np.full((2, len(old.x.box), len(old.y.box)), -1, np.int64)
+    table[old.bit, old.ix, old.iy] = np.arange(len(old))
+    known = (px[:, None] >= 0) & (py[None] >= 0)
+    full = np.where(known, table[:, px][:, :, py], -1)
+    ix, iy = np.nonzero((full >= 0).any(0))
+    return ix, iy, full[:, ix, iy]
+
+
+def _parents(fine: AxisGrid, coarse: AxisGrid) -> Ints:
+    """For each fine box the coarse box that holds it, or -1 where that one is gone."""
+    a, b = fine.box[:, None, :], coarse.box[None, :, :]
+    inside = (a[..., 0] >= b[..., 0] - 1e-9) & (a[..., 1] <= b[..., 1] + 1e-9)
+    inside &= (a[..., 2] >= b[..., 2] - 1e-9) & (a[..., 3] <= b[..., 3] + 1e-9)
+    inside &= (fine.cell[:, None] == coarse.cell[None]) & (fine.thin[:, None] == coarse.thin[None])
+    return np.where(inside.any(1), inside.argmax(1), -1)
+
+
+def restrict(layer: Layer, keep: Bools) -> Layer:
+    """Only the kept states; `parent` then numbers the states of `layer`."""
+    index = np.flatnonzero(keep)
+    used_x, ix = np.unique(layer.ix[index], return_inverse=True)
+    used_y, iy = np.unique(layer.iy[index], return_inverse=True)
+    return Layer(
+        layer.x.take(used_x), layer.y.take(used_y), ix, iy, layer.bit[index],
+        layer.cell[index], index,
+    )  # fmt: skip

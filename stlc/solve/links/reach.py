@@ -1,0 +1,208 @@
+"""Planar reach sets of (p, w) along one direction, as convex polygons.
+
+Along a direction d of the plane, (d.p, d.w) moves as an axis does, with the widths of both axes
+added up. Sets are exact in each direction and a relaxation together. Polygons are (k, 2) arrays,
+counter-clockwise; fewer than three points are a segment, a point or nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stlc.solve.links.problem import Body, Bools, Floats
+
+EPS = 1e-7
+Box = tuple[float, float, float, float]
+
+
+def hull(points: Floats) -> Floats:
+    """Convex hull (Andrew 1979)."""
+    pts: Floats = np.unique(np.round(points, 10), axis=0)
+    if len(pts) < 3:
+        return pts
+    seq = [(float(x), float(y)) for x, y in pts]
+    return np.array(_chain(seq)[:-1] + _chain(seq[::-1])[:-1])
+
+
+def _chain(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    out: list[tuple[float, float]] = []
+    for point in points:
+        while len(out) >= 2 and _turn(out[-2], out[-1], point) <= 1e-13:
+            out.pop()
+        out.append(point)
+    return out
+
+
+def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    return (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
+
+
+def clip(poly: Floats, normal: Floats, offset: float) -> Floats:
+    """The part with normal . x <= offset (+ EPS)."""
+    if len(poly) == 0:
+        return poly
+    d = poly @ normal - offset - EPS
+    if (d <= 0).all():
+        return poly
+    if len(poly) == 1:
+        return poly[:0]
+    following, after = np.roll(poly, -1, 0), np.roll(d, -1)
+    cross = (d <= 0) != (after <= 0)
+    share = (d[cross] / (d[cross] - after[cross]))[:, None]
+    cut = poly[cross] + share * (following[cross] - poly[cross])
+    left = np.concatenate([poly[d <= 0], cut])
+    return hull(left) if len(left) else left
+
+
+_SIDES = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
+
+
+def clip_box(poly: Floats, box: Box) -> Floats:
+    """The part within p_lo, p_hi, w_lo, w_hi."""
+    for normal, offset in zip(_SIDES, (box[1], -box[0], box[3], -box[2]), strict=True):
+        poly = clip(poly, normal, offset)
+    return poly
+
+
+def forward(poly: Floats, blend: float, jump: float, box: Box) -> Floats:
+    """States one step later, clipped to the box."""
+    if len(poly) == 0:
+        return poly
+    moved = np.stack([poly[:, 0] + poly[:, 1], poly[:, 1]], 1)
+    delta = jump * np.array([blend, 1.0])
+    return clip_box(hull(np.concatenate([moved + delta, moved - delta])), box)
+
+
+def backward(poly: Floats, blend: float, jump: float, box: Box) -> Floats:
+    """States one step earlier, clipped to the box."""
+    if len(poly) == 0:
+        return poly
+    moved = np.stack([poly[:, 0] - poly[:, 1], poly[:, 1]], 1)
+    delta = jump * np.array([1.0 - blend, -1.0])
+    return clip_box(hull(np.concatenate([moved + delta, moved - delta])), box)
+
+
+def intersect(a: Floats, b: Floats) -> Floats:
+    """Convex intersection; a degenerate b is replaced by its bounding box (a relaxation)."""
+    if len(a) == 0 or len(b) == 0:
+        return a[:0]
+    if len(b) < 3:
+        low, high = b.min(0), b.max(0)
+        return clip_box(a, (low[0], high[0], low[1], high[1]))
+    for normal, point in zip(_normals(b), b, strict=True):
+        a = clip(a, normal, float(normal @ point))
+    return a
+
+
+def _normals(poly: Floats) -> Floats:
+    edge = np.roll(poly, -1, 0) - poly
+    normal = np.stack([edge[:, 1], -edge[:, 0]], 1)
+    out: Floats = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
+    return out
+
+
+def boxes_meet(boxes: Floats, poly: Floats) -> Bools:
+    """boxes (n, 4) p_lo p_hi w_lo w_hi: True where box and polygon meet (separating axes)."""
+    if len(poly) == 0:
+        return np.zeros(len(boxes), bool)
+    low, high = poly.min(0), poly.max(0)
+    normals = [_SIDES]
+    offsets = [np.array([high[0], -low[0], high[1], -low[1]])]
+    if len(poly) >= 3:
+        normal = _normals(poly)
+        normals.append(normal)
+        offsets.append((normal * poly).sum(1))
+    n, o = np.concatenate(normals), np.concatenate(offsets) + 10 * EPS
+    least = np.minimum(np.outer(boxes[:, 0], n[:, 0]), np.outer(boxes[:, 1], n[:, 0]))
+    least += np.minimum(np.outer(boxes[:, 2], n[:, 1]), np.outer(boxes[:, 3], n[:, 1]))
+    return np.asarray((least <= o).all(1))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tubes:
+    """directions (k, 2); sets[d][j][t]: where runs that take alternative j of `body.places` can be
+    at step t along direction d. Without places there is one alternative, taken at step 0.
+    `possible`: alternatives whose sets are nowhere empty."""
+
+    directions: Floats
+    steps: tuple[int, ...]
+    sets: tuple[tuple[tuple[Floats, ...], ...], ...]
+    possible: tuple[int, ...]
+
+
+def tubes(body: Body, steps: int) -> Tubes:
+    """Reach sets of one agent for every alternative."""
+    directions = _directions(body)
+    sets = tuple(_along(body, d, steps) for d in directions)
+    when = tuple(p.step for p in body.places) or (0,)
+    full = [j for j in range(len(when)) if all(len(s) for way in sets for s in way[j])]
+    return Tubes(directions, when, sets, tuple(full))
+
+
+def _directions(body: Body) -> Floats:
+    """x, y and, where both axes move alike, the oblique normals of the speed polygon."""
+    found = [np.array([1.0, 0.0]), np.array([0.0, 1.0])]
+    x, y = body.axes
+    if x.blend != y.blend:
+        return np.array(found)
+    for nx, ny, _ in body.faces:
+        d = np.array([nx, ny]) / np.hypot(nx, ny)
+        if all(abs(abs(d @ e) - 1) > 1e-9 for e in found):
+            found.append(d)
+    return np.array(found)
+
+
+def _along(body: Body, d: Floats, steps: int) -> tuple[tuple[Floats, ...], ...]:
+    blend = max((a.blend for a, c in zip(body.axes, d, strict=True) if c), default=0.5)
+    jump = float(sum(abs(c) * a.jump for a, c in zip(body.axes, d, strict=True)))
+    boxes = [_range(body, d, t) for t in range(steps + 1)]
+    start = np.array([[sum(c * a.start[k] for a, c in zip(body.axes, d, strict=True))
+                       for k in (0, 1)]])  # fmt: skip
+    ahead = [start]
+    for t in range(steps):
+        ahead.append(forward(ahead[-1], blend, jump, boxes[t + 1]))
+    if not body.places:
+        return (tuple(ahead),)
+    return tuple(_through(ahead, boxes, blend, jump, p.step, _span(d, p.box)) for p in body.places)
+
+
+def _through(
+    ahead: list[Floats], boxes: list[Box], blend: float, jump: float, step: int,
+    goal: tuple[float, float],
+) -> tuple[Floats, ...]:  # fmt: skip
+    """The tube of runs that are in the strip `goal` at `step`."""
+    at = clip_box(ahead[step], (*goal, boxes[step][2], boxes[step][3]))
+    seq, back = [at], _polygon((*goal, boxes[step][2], boxes[step][3]))
+    for t in range(step - 1, -1, -1):
+        back = backward(back, blend, jump, boxes[t])
+        seq.append(intersect(ahead[t], back))
+    seq.reverse()
+    for t in range(step, len(boxes) - 1):
+        seq.append(forward(seq[-1], blend, jump, boxes[t + 1]))
+    return tuple(seq)
+
+
+def _polygon(box: Box) -> Floats:
+    a, b, c, d = box
+    return np.array([[a, c], [b, c], [b, d], [a, d]])
+
+
+def _span(d: Floats, box: Floats) -> tuple[float, float]:
+    ends = d[:, None] * box
+    return float(ends.min(1).sum()), float(ends.max(1).sum())
+
+
+def _range(body: Body, d: Floats, t: int) -> Box:
+    box = np.array([a.box[t] for a in body.axes])
+    p, w = _span(d, box[:, :2]), _span(d, box[:, 2:])
+    low, high = w
+    for nx, ny, c in body.faces if t else ():
+        size = np.hypot(nx, ny)
+        side = (nx * d[0] + ny * d[1]) / size
+        if side > 1 - 1e-9:
+            high = min(high, c / size)
+        elif side < -1 + 1e-9:
+            low = max(low, -c / size)
+    return (*p, low, high)
