@@ -1,17 +1,94 @@
-"""What is measured: suites of problems, as data."""
+"""What is measured: suites of problems, as data. `generate.py` writes the missions."""
 
 from stlc.bench.problem import Problem, Suite
 
-_COST = ("two_agents_t8_link_cost.csv",)
 
-SUITES = (
-    Suite(
-        "paper",
-        "the paper's case and a small sibling, our tables against the paper's own encoding",
-        (
-            Problem("two_agents_t4", "two_agents_t4.stl", quick=True),
-            Problem("two_agents_t8", "two_agents_t8.stl", _COST),
-        ),
-        ("auto", "literal-tight", "literal"),
+def _made(
+    folder: str, name: str, generator: str, axis: str = "", quick: bool = False, **parameters: int
+) -> Problem:
+    """A generated problem; `axis` names the parameter that a growth curve is drawn over."""
+    size = float(parameters[axis]) if axis else 0.0
+    family = f"{generator} {axis}" if axis else ""
+    file = f"{folder}/{name}.stl"
+    return Problem(name, file, (), generator, parameters, family, size, quick)
+
+
+PAPER = Suite(
+    "paper",
+    "the paper's case and its small sibling: our tables against the paper's own encoding",
+    (
+        Problem("two_agents_t4", "two_agents_t4.stl", quick=True),
+        Problem("two_agents_t8", "two_agents_t8.stl", ("two_agents_t8_link_cost.csv",)),
     ),
+    ("auto", "literal-tight", "literal"),
 )
+
+STLPY = Suite(
+    "stlpy",
+    "scenario families of stlpy, robustness maximised; its own models beside ours with --peer",
+    (
+        *(
+            _made("stlpy", f"reach_avoid_T{t}", "reach_avoid", "steps", t <= 20, steps=t)
+            for t in (10, 20, 35, 50)
+        ),
+        _made("stlpy", "either_or_T20_d5", "either_or", quick=True, steps=20, dwell=5),
+        _made("stlpy", "either_or_T40_d5", "either_or", steps=40, dwell=5),
+        _made("stlpy", "narrow_passage_T25", "narrow_passage", quick=True, steps=25),
+        _made("stlpy", "narrow_passage_T40", "narrow_passage", steps=40),
+        _made("stlpy", "stepping_stones_15_T15_s1", "stepping_stones", quick=True,
+              steps=15, stones=15, seed=1),
+        _made("stlpy", "stepping_stones_25_T25_s4", "stepping_stones",
+              steps=25, stones=25, seed=4),
+        _made("stlpy", "door_puzzle_N1_T20", "door_puzzle", quick=True, steps=20, doors=1),
+        _made("stlpy", "door_puzzle_N2_T25", "door_puzzle", quick=True, steps=25, doors=2),
+        _made("stlpy", "multitarget_o1_g5_t2_T25_s0", "multitarget", quick=True,
+              steps=25, obstacles=1, groups=5, targets=2, seed=0),
+        *(
+            _made("stlpy", f"multitarget_o3_g4_t2_T30_s{s}", "multitarget",
+                  steps=30, obstacles=3, groups=4, targets=2, seed=s)
+            for s in (1, 3, 4)
+        ),
+    ),
+)  # fmt: skip
+
+RADIO = Suite(
+    "radio",
+    "channel cost and requirements on the channel: level, bit errors, chance, packets",
+    tuple(
+        _made("radio", f"{name}_c{cells}", "radio", quick=cells == 5,
+              kind=kind, steps=8, cells=cells)
+        for kind, name in enumerate(("cost", "rssi", "ber", "chance", "prr_cost"))
+        for cells in (5, 10)
+    ),
+    ("auto", "unary", "hull", "lifted", "logarithmic"),
+)  # fmt: skip
+
+TEAMS = Suite(
+    "teams",
+    "2 to 6 agents that change sides: alone, paying for every link, always connected",
+    (
+        *(_made("teams", f"team_{n}", "team", "agents", n <= 3, agents=n, steps=10)
+          for n in range(2, 7)),
+        *(_made("teams", f"radio_team_{n}", "radio_team", "agents", n <= 2,
+                agents=n, steps=8, cells=5) for n in range(2, 7)),
+        *(_made("teams", f"connected_team_{n}", "connected_team", "agents", n <= 2,
+                agents=n, steps=8, cells=5) for n in range(2, 7)),
+    ),
+)  # fmt: skip
+
+SCALING = Suite(
+    "scaling",
+    "horizon, cells, agents, length of the formula: each alone",
+    (
+        *(_made("scaling", f"horizon_{t}", "patrol", "steps", t <= 50,
+                steps=t, targets=2, seed=0) for t in (25, 50, 100, 200)),
+        *(_made("scaling", f"targets_{n}", "patrol", "targets", n <= 4,
+                steps=30, targets=n, seed=0) for n in (1, 2, 4, 8)),
+        *(_made("scaling", f"cells_{n}", "radio", "cells", n <= 6,
+                kind=0, steps=6, cells=n) for n in (4, 6, 9, 13, 20)),
+        *(_made("scaling", f"agents_{n}", "team", "agents", n <= 3,
+                agents=n, steps=8) for n in (1, 2, 3, 4, 5)),
+    ),
+)  # fmt: skip
+
+SUITES = (PAPER, STLPY, RADIO, TEAMS, SCALING)

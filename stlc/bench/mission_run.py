@@ -37,7 +37,7 @@ def run_mission(job: Job, tell: Tell) -> None:
     except InfeasibleError as error:
         run.send(status="infeasible", message=_line(error), proof=run.seconds())
     except MissionError as error:
-        tell(Update({"status": "failed", "message": error.diagnostics[0].title}))
+        tell(Update({"status": "failed", "message": _line(error)}))
     except StlcError as error:
         tell(Update({"status": "failed", "message": _line(error)}))
 

@@ -1,0 +1,1 @@
+"""Seeded generators of benchmark missions: parameters in, the text of a `.stl` file out."""
