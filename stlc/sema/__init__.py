@@ -67,5 +67,6 @@ def load_all_diagnostics() -> None:
         "stlc.sema.channel_errors",
         "stlc.sema.objective_errors",
         "stlc.sema.warnings",
+        "stlc.dialects.errors",
     ):
         import_module(name)

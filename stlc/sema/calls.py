@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 from stlc.diagnostics import Diagnostic
-from stlc.sema import links, scalars
+from stlc.sema import clock, links, scalars
 from stlc.sema.members import point
 from stlc.sema.name_errors import Nonlinear, UnknownName, WrongArity, WrongKind
 from stlc.sema.report import Mistake, suggested_fix, suggestion, with_note
@@ -120,6 +120,16 @@ def _abs(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
     return scalars.absolute(as_scalar(args[0], expr.span), expr.span)
 
 
+def _ahead(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
+    need(expr, (2,), "ahead(x, 1 s)")
+    time = as_scalar(args[1], expr.args[1].span)
+    if not time.is_constant:
+        found = "one that depends on signals"
+        raise Mistake(WrongKind(span=expr.args[1].span, expected="a fixed time", found=found))
+    later = clock.as_steps(time, expr.args[1].span, scope)
+    return scalars.ahead(as_scalar(args[0], expr.args[0].span), later)
+
+
 def _extreme(pick: Callable[[tuple[Scalar, ...], Span], Scalar]) -> Builtin:
     def builtin(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
         items = _spread(expr, args)
@@ -226,6 +236,7 @@ def _scale(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
 
 BUILTINS: dict[str, Builtin] = {
     "abs": _abs,
+    "ahead": _ahead,
     "min": _extreme(scalars.minimum),
     "max": _extreme(scalars.maximum),
     "norm1": _norm1,

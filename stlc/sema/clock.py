@@ -21,15 +21,18 @@ MOST_STEPS = 1_000_000
 
 def steps(expr: ast.Expr, scope: Scope, env: Env = EMPTY) -> int:
     """A time as a number of steps; without a unit it counts steps. Never rounds."""
-    scalar = scope.constant(expr, env)
+    return as_steps(scope.constant(expr, env), expr.span, scope)
+
+
+def as_steps(scalar: Scalar, span: Span, scope: Scope) -> int:
+    """A constant as a number of steps; `span` is where it stands."""
     if scalar.constant < 0:
-        raise Mistake(NegativeTime(span=expr.span))
+        raise Mistake(NegativeTime(span=span))
     if scalar.unit is None:
-        return _limited(_whole(scalar.constant, expr.span, scope.step, ""), expr.span)
+        return _limited(_whole(scalar.constant, span, scope.step, ""), span)
     if scalar.unit != SECOND:
-        raise Mistake(NotSteps(span=expr.span, found=f"a value in {scalar.unit}"))
-    ratio = scalar.constant / scope.step
-    return _limited(_whole(ratio, expr.span, scope.step, "s"), expr.span)
+        raise Mistake(NotSteps(span=span, found=f"a value in {scalar.unit}"))
+    return _limited(_whole(scalar.constant / scope.step, span, scope.step, "s"), span)
 
 
 def _limited(count: int, span: Span) -> int:

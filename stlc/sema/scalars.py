@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import isfinite
 
 from stlc.sema import units
@@ -77,6 +78,13 @@ def scale(a: Scalar, factor: float, unit: Unit | None) -> Scalar:
         return Scalar(0.0, unit=unit)
     terms = tuple((k, v * factor) for k, v in a.terms)
     return Scalar(a.constant * factor, terms, _times_folds(a.folds, factor), unit)
+
+
+def ahead(a: Scalar, steps: int) -> Scalar:
+    """The value of `a` that many steps later."""
+    terms = tuple((replace(k, shift=k.shift + steps), v) for k, v in a.terms)
+    folds = tuple((Fold(f.kind, tuple(ahead(x, steps) for x in f.args)), c) for f, c in a.folds)
+    return Scalar(a.constant, terms, folds, a.unit)
 
 
 def multiply(a: Scalar, b: Scalar, span: Span) -> Scalar:
