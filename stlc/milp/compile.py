@@ -22,6 +22,7 @@ from stlc.milp.model import Floats, Ints, Model, Origin
 from stlc.milp.reach import reach
 from stlc.milp.selectors import selector_named
 from stlc.milp.stages import add_cuts, add_hulls, find_stages
+from stlc.milp.tables import PairColumns, made_pairs
 from stlc.mission import Mission
 from stlc.passes import PassStats, Program, run_pipeline
 from stlc.trajectories import Trajectories
@@ -73,6 +74,7 @@ class Compiled:
     stats: CompileStats
     channels: ChannelTables
     encoded: tuple[Encoded, ...] = ()
+    pairs: tuple[PairColumns, ...] = ()
 
     def decode(self, x: Floats) -> Trajectories:
         """Trajectories of a point x (n,)."""
@@ -108,7 +110,7 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     robustness = {g.requirement: (rho[g], g.low, g.high) for g in goals}
     return Compiled(
         model, mission, ctx.states, ctx.inputs, ctx.ranges, robustness, stats, tables.channels,
-        encoded,
+        encoded, made_pairs(ctx),
     )  # fmt: skip
 
 

@@ -130,7 +130,8 @@ def admissible(body: Body, t: int, x: AxisGrid, y: AxisGrid, ix: Ints, iy: Ints)
     thin_x, thin_y = x.thin[ix], y.thin[iy]
     free = {(a, b): _outside(body, t, x, y, a, b)[ix, iy] for a in (0, 1) for b in (0, 1)}
     spare = (thin_x & free[1, 0]) | (thin_y & free[0, 1]) | (thin_x & thin_y & free[1, 1])
-    return np.asarray(fine & free[0, 0] & ~spare)
+    kept = np.logical_and(fine, free[0, 0]) & ~spare
+    return np.asarray(kept, dtype=bool)
 
 
 def _outside(body: Body, t: int, x: AxisGrid, y: AxisGrid, host_x: int, host_y: int) -> Bools:
@@ -151,7 +152,7 @@ def _overlaps(grid: AxisGrid, span: Floats, host: bool) -> Bools:
     low, high = np.maximum(part[:, 0], span[0]), np.minimum(part[:, 1], span[1])
     if host:
         return np.asarray(high - low > MARGIN)
-    return np.where(grid.thin, high >= low - 1e-9, high - low > MARGIN)
+    return np.asarray(high >= np.where(grid.thin, low - 1e-9, low + MARGIN))
 
 
 def reach_bits(

@@ -234,7 +234,7 @@ class Search:
         self._keep(node, alive)
 
     def _keep(self, node: Node, alive: list[Bools]) -> None:
-        kept = [[m.any(1) for m in alive], [m.any(0) for m in alive]]
+        kept = [[np.asarray(m.any(axis)) for m in alive] for axis in (1, 0)]
         rows = [
             [restrict(layer, k) for layer, k in zip(node.layers[n], kept[n], strict=True)]
             for n in (0, 1)
@@ -280,7 +280,7 @@ class Search:
             bits = reach_bits(
                 self.bodies[n], self.tubes[n], part, t, layer.x, layer.y, layer.ix, layer.iy
             )
-            keep = np.asarray(bits[layer.bit, np.arange(len(layer))])
+            keep = np.asarray(bits[layer.bit, np.arange(len(layer))], dtype=bool)
             row[t] = restrict(layer, keep)
             masks[t] = masks[t][keep] if n == 0 else masks[t][:, keep]
         rows = (row, node.layers[1]) if n == 0 else (node.layers[0], row)
