@@ -124,6 +124,7 @@ def propagate(boxes: Mapping[str, Box], musts: Sequence[tuple[Linear, float]]) -
     Raises InfeasibleError naming the agent and step where an interval becomes empty.
     """
     for _ in range(_SWEEPS):
+        before = [_width(box) for box in boxes.values()]
         for predicate, level in musts:
             _apply(boxes, predicate, level)
         for box in boxes.values():
@@ -133,6 +134,17 @@ def propagate(boxes: Mapping[str, Box], musts: Sequence[tuple[Linear, float]]) -
             for step in reversed(range(len(box.u_lower))):
                 _equalities(box, matrix, step)
             _check(box, "what the requirements demand" if musts else "its bounds")
+        if np.allclose(before, [_width(box) for box in boxes.values()], rtol=0.0, atol=1e-6):
+            return
+
+
+def _width(box: Box) -> float:
+    """Total length of all intervals (infinite ones count alike): a sweep that changes nothing
+    leaves it as it is."""
+    widths = np.concatenate(
+        [(box.x_upper - box.x_lower).ravel(), (box.u_upper - box.u_lower).ravel()]
+    )
+    return float(np.where(np.isfinite(widths), widths, 1e6).sum())
 
 
 def _equalities(box: Box, matrix: Floats, step: int) -> None:

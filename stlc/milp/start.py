@@ -29,7 +29,9 @@ from stlc.milp.model import Floats, Ints, Model
 if TYPE_CHECKING:
     from stlc.milp.compile import Compiled
 
-_FIRST_LIMIT = 30  # LPs before the first restart
+_FIRST_LIMIT = 30.0  # LPs before the first restart, at least
+_PER_CHOICE = 1.5  # and so many for each disjunction, to get to the bottom of a dive
+_DIVES = 4  # dives that are always granted
 _GROWTH = 1.1  # of that limit at each restart
 _INTEGRAL = 1e-6
 _SHORT = 3e-5  # aim this far below the bound, relative: less than any sensible gap
@@ -51,7 +53,7 @@ class Start:
 
 
 def find_start(compiled: Compiled, most_lps: int = 700, seed: int = 0) -> Start | None:
-    """A start, or None where none was found within `most_lps` linear programs.
+    """A start, or None where none was found within `most_lps` linear programs (or a few dives).
 
     Only for missions that maximise the robustness of all requirements, where every integer column
     belongs to a formula.
@@ -147,7 +149,8 @@ class _Search:
         """Search; the point and the number of LPs."""
         if not self._solve():
             return None, self.lps
-        limit = float(_FIRST_LIMIT)
+        limit = max(_FIRST_LIMIT, _PER_CHOICE * len(self.groups))
+        most = max(most, _DIVES * int(limit))
         while self.lps < most:
             found, exhausted = self._dive(min(int(limit), most - self.lps))
             if found is not None or exhausted:
