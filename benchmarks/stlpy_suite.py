@@ -82,8 +82,11 @@ def measure(path: Path, peers: Path, scratch: Path, repeats: int, limit: float) 
     print(f"{path.stem}: {m.columns} columns, {m.binaries} binaries, {m.rows} rows,"
           f" LP bound {lp_bound(m):.4f}, compiled in {built:.2f} s")  # fmt: skip
     for c in field_:
-        print(f"    {c.name:6} {statistics.median(c.wall):8.3f} s wall"
-              f" {statistics.median(c.processor):8.3f} s processor  objective {c.objective:.6f}")  # fmt: skip
+        wall, processor = statistics.median(c.wall), statistics.median(c.processor)
+        print(
+            f"    {c.name:6} {wall:8.3f} s wall {processor:8.3f} s processor"
+            f"  objective {c.objective:.6f}"
+        )
     best = min(statistics.median(c.processor) for c in field_[1:])
     return best / statistics.median(ours.processor)
 
@@ -100,9 +103,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as scratch:
         for path in sorted(args.scenarios.glob("*.json")):
             if list(args.peers.glob(f"{path.stem}__*")):
-                gains.append(
-                    measure(path, args.peers, Path(scratch), args.repeats, args.limit)
-                )
+                gains.append(measure(path, args.peers, Path(scratch), args.repeats, args.limit))
                 print(f"    {gains[-1]:.1f} times faster than the better peer", flush=True)
     mean = math.exp(statistics.fmean(math.log(g) for g in gains))
     print(f"geometric mean {mean:.2f}, least {min(gains):.2f}")

@@ -34,6 +34,8 @@ class Blame:
         what = f"`{self.span.text}`" if self.span else "a part of it"
         if self.earliest is None:
             return f"{where}{what} is out of reach at every step"
+        if self.earliest <= self.deadline:
+            return f"{where}{what} is out of reach together with what the others demand"
         return (
             f"{where}{what} is possible at step {self.earliest} at the earliest, "
             f"the deadline is step {self.deadline}"
