@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Final, Protocol
 
-from stlc.diagnostics import Diagnostic
+from stlc.diagnostics import Diagnostic, Severity
 from stlc.dialects.breach import BreachParser
 from stlc.dialects.errors import ImportFailure
 from stlc.dialects.falcaun import FalcaunParser
@@ -27,6 +27,8 @@ from stlc.source import Source
 class _Reader(Protocol):
     @property
     def token(self) -> Token: ...
+    @property
+    def warnings(self) -> list[Diagnostic]: ...
     def items(self) -> list[Item]: ...
     def skip(self) -> None: ...
     def end_of_statement(self) -> None: ...
@@ -59,22 +61,22 @@ def import_text(source: Source, dialect: str, step: Fraction | None = None) -> I
     1 s. Raises MissionError with every mistake that was found.
     """
     rules, reader = _DIALECTS[dialect]
-    items, mistakes = _read(source, reader)
-    if mistakes:
-        raise MissionError(mistakes)
+    items, found = _read(source, reader)
+    if any(d.severity is Severity.ERROR for d in found):
+        raise MissionError([d for d in found if d.severity is Severity.ERROR])
     try:
         scope = survey(items, rules)
     except ImportFailure as failure:
         raise MissionError([failure.diagnostic]) from None
     written = write(scope, source, step)
     check_result(written, source, all(not use.no_value for use in scope.params.values()))
-    return Imported(written.text, tuple(scope.warnings))
+    return Imported(written.text, (*found, *scope.warnings))
 
 
 def _read(
     source: Source, reader: Callable[[Source], _Reader]
 ) -> tuple[list[Item], list[Diagnostic]]:
-    """The statements of a file, and the mistakes in those that can't be read."""
+    """The statements of a file, the mistakes in those that can't be read, and warnings."""
     items: list[Item] = []
     mistakes: list[Diagnostic] = []
     try:
@@ -88,4 +90,4 @@ def _read(
         except ImportFailure as failure:
             mistakes.append(failure.diagnostic)
             parser.skip()
-    return items, mistakes
+    return items, [*mistakes, *parser.warnings]

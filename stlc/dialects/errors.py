@@ -126,3 +126,18 @@ class NotDefined(Warn):
     label: ClassVar[str] = "taken as a signal that is at least 0 where it holds"
     help: ClassVar[str] = "import the file that defines it, or record its robustness"
     name: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OddGrouping(Warn):
+    """rtamt 0.4 lets + bind tighter than -, and * tighter than /.
+
+    So it reads `a - b + c` as `a - (b + c)`. The import keeps rtamt's reading.
+    """
+
+    code: ClassVar[str] = "W0903"
+    title: ClassVar[str] = "rtamt reads `{whole}` as `{reading}`"
+    label: ClassVar[str] = "taken together, as by rtamt"
+    help: ClassVar[str] = "write parentheses around what you mean"
+    whole: str
+    reading: str

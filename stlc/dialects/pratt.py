@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar, Literal, NoReturn
 
+from stlc.diagnostics import Diagnostic
 from stlc.dialects.errors import DialectPast, DialectSyntax, ImportFailure
 from stlc.dialects.tokens import Token, tokenize
 from stlc.dialects.tree import (
@@ -88,6 +89,7 @@ class Parser:
         self.tokens = tokenize(source, self.language.scanner)
         self.at = 0
         self.depth = 0
+        self.warnings: list[Diagnostic] = []
 
     # --- tokens ----------------------------------------------------------------------------
 
@@ -178,8 +180,11 @@ class Parser:
             power = infix.timed if timed and infix.timed is not None else infix.power
             right = self.expression(power + 1)
             return Pair(self.since(start), operator, interval, left, right)
+        first = self.token.span
         right = self.expression(infix.power + (not infix.right))
         span = self.since(start)
+        if isinstance(right, Binary) and right.span.start == first.start:
+            self.notice(infix.operator, right)
         if operator in ("and", "or"):
             kind: Literal["and", "or"] = "and" if operator == "and" else "or"
             args = (*_links(left, kind), *_links(right, kind))
@@ -208,6 +213,9 @@ class Parser:
             self.expect(")")
             return inner
         return self.fail("expected a formula or a number")
+
+    def notice(self, operator: str, right: Binary) -> None:
+        """Called where a binary operation without parentheses is the right side of another."""
 
     def special(self) -> Expr | None:
         """What a language writes in its own way; None if nothing of that kind comes next."""

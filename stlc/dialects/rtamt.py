@@ -7,6 +7,8 @@ are seconds; one without beside one with a unit takes that.
 
 rtamt's until (StlDiscreteTimeOfflineAstVisitor.visitTimedUntil) leaves out the step at which the
 right side holds. Its `iff` and `xor` measure -|p - q| and |p - q| of the two robustness values.
+Addition binds tighter than
+subtraction there, and multiplication tighter than division, so `a - b + c` is `a - (b + c)`.
 Windows that reach past the end of a trace are cut short by rtamt; here they aren't judged.
 """
 
@@ -14,16 +16,19 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from stlc.dialects.errors import DialectUnsupported, ImportFailure
-from stlc.dialects.pratt import ARITHMETIC, SIGNS, Infix, Language, Parser, Prefix, compared
+from stlc.dialects.errors import DialectUnsupported, ImportFailure, OddGrouping
+from stlc.dialects.pratt import Infix, Language, Parser, Prefix, compared
 from stlc.dialects.tokens import pattern
-from stlc.dialects.tree import Definition, Item, Param, Signals
+from stlc.dialects.tree import Binary, Definition, Item, Operator, Param, Signals
 
 _TYPES = frozenset(("float", "real", "int", "long", "complex", "bool"))
 _SYMBOLS = (
     "<->", "->", "=>", "!==", "!=", "==", "<=", ">=", "&&", "||", "&", "|", "!", "<", ">", "=", "+",
     "-", "*", "/", "(", ")", "[", "]", ",", ":", ";", "@", "{", "}", "'", '"', ".",
 )  # fmt: skip
+
+
+_ARITHMETIC: tuple[Operator, ...] = ("*", "/", "+", "-")  # each binds tighter than the next
 
 
 class RtamtParser(Parser):
@@ -36,7 +41,8 @@ class RtamtParser(Parser):
             **{word: Prefix("always", 13) for word in ("always", "G")},
             **{word: Prefix("eventually", 13) for word in ("eventually", "F")},
             **{word: Prefix("next", 13) for word in ("next", "X", "s_next", "sX")},
-            **SIGNS,
+            "-": Prefix("-", 47),
+            "+": Prefix("+", 47),
         },
         infix={
             **compared(22, {"<": "<", "<=": "<=", ">": ">", ">=": ">=", "==": "=="}),
@@ -48,7 +54,7 @@ class RtamtParser(Parser):
             **{word: Infix("implies", 7) for word in ("implies", "->", "=>")},
             **{word: Infix("iff", 6) for word in ("iff", "<->")},
             "xor": Infix("xor", 5),
-            **ARITHMETIC,
+            **{text: Infix(text, 44 - k) for k, text in enumerate(_ARITHMETIC)},
         },
         past={
             **{word: "historically" for word in ("historically", "H")},
@@ -71,6 +77,13 @@ class RtamtParser(Parser):
         found: list[Item] = self._declaration() if self._declares() else [self._assertion()]
         self.accept(";")
         return found
+
+    def notice(self, operator: str, right: Binary) -> None:
+        """`a - b + c` and `a / b * c` group from the right, unlike elsewhere."""
+        if (operator, right.operator) in (("-", "+"), ("/", "*")):
+            whole = f".. {operator} {right.span.text}"
+            reading = f".. {operator} ({right.span.text})"
+            self.warnings.append(OddGrouping(span=right.span, whole=whole, reading=reading))
 
     def skip(self) -> None:
         """Go on after the next `;`, or at the next line that starts a statement."""

@@ -49,4 +49,5 @@ def _scan(source: Source, scanner: re.Pattern[str]) -> Iterator[Token]:
         start, at = at, match.end()
         if match.lastgroup in _KINDS:
             yield Token(_KINDS[match.lastgroup], match.group(), source.span(start, at))
-    yield Token("end", "", source.span(len(text), len(text)))
+    last = len(text.rstrip())
+    yield Token("end", "", source.span(last, last))
