@@ -104,7 +104,7 @@ class FormulaEncoder:
         self._rows.add([*cols, *parents], signs, total, np.inf if shared else total)
         self._choices.append((node, tuple(zip(private, map(int, z), strict=True))))
         gathered = [self._gather(a) for a in private]
-        if shared:
+        if shared or self.selector is Selector.BIG_M:
             for column, alternative in zip(z, gathered, strict=True):
                 self._demand({int(column): list(alternative.atoms)}, [])
         else:

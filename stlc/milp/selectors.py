@@ -7,7 +7,8 @@
               binaries (Vielma and Nemhauser, Modeling disjunctive constraints with a logarithmic
               number of binary variables and constraints, 2011)
 
-All three are exact and have the same LP relaxation; what differs is how a solver branches.
+All three are exact and have the same LP relaxation; what differs is how a solver branches. `bigm`
+is one-hot without the shared-face rows of `choice.py`: the textbook encoding, for comparison.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ class Selector(Enum):
     """How an exclusive choice is made integral."""
 
     ONE_HOT = "onehot"
+    BIG_M = "bigm"  # one-hot, and one big-M row for each alternative's predicate
     UNARY = "unary"
     LOG = "log"
 
@@ -43,7 +45,7 @@ def selector_named(name: str) -> Selector:
 
 def add_selection(builder: ModelBuilder, name: str, size: int, selector: Selector) -> Ints:
     """Literals z (size,); the caller adds sum z = P."""
-    if selector is Selector.ONE_HOT or size <= 2:
+    if selector in (Selector.ONE_HOT, Selector.BIG_M) or size <= 2:
         return builder.binary(name, (size,))
     z = builder.add_columns(name, (size,), 0.0, 1.0)
     if selector is Selector.UNARY:
