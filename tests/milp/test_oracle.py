@@ -59,6 +59,9 @@ def solve(world: Mission, how: CompileOptions) -> tuple[float, Trajectories, Com
     except InfeasibleError:
         return None
     solution = get("highs").solve(compiled.model, SolveOptions(threads=1, gap=0.0))
+    if solution.status is Status.INFEASIBLE:  # HiGHS 1.15.1's presolve is wrong on a few: ask again
+        plain = SolveOptions(threads=1, gap=0.0, extra={"presolve": "off"})
+        solution = get("highs").solve(compiled.model, plain)
     assert solution.status in (Status.OPTIMAL, Status.INFEASIBLE)
     if solution.x is None:
         return None
