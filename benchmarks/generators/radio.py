@@ -9,7 +9,7 @@ _KINDS = {
     0: ("link cost alone", (), "0.1 * effort + 0.9 * link_cost(radio, (r1, r2))"),
     1: (
         "a level held throughout",
-        ("talk: always rssi(r1, r2) >= -40 dBm",),
+        ("talk: always rssi(r1, r2) >= -43.5 dBm",),
         "effort",
     ),
     2: (

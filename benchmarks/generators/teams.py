@@ -7,7 +7,7 @@ from itertools import combinations
 from generators.text import Box, apart, carts, channel, clock, comment, document, region
 
 _FIELD: Box = (0, 10, 0, 10)
-_LEVEL = "-40 dBm"
+_LEVEL = "-44 dBm"
 
 
 def _stations(agents: int) -> list[float]:

@@ -62,6 +62,7 @@ def channel(cells: int) -> list[str]:
         "  fading 10 dB^2, shadowing 10 dB^2, length 2 m",
         "  noise_floor -60 dBm",
         "  modulation oqpsk_802_15_4",
+        "  packet 32 bytes",
         f"  partition {cells} x {cells}",
         "}",
     ]

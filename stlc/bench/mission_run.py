@@ -78,7 +78,9 @@ class _Run:
         with tempfile.TemporaryDirectory() as folder:
             for name, data in self.job.files.items():
                 Path(folder, name).write_bytes(data)
-            mission = Mission.from_file(Path(folder, self.job.main))
+            main = self.job.main
+            text = self.job.files[main].decode()
+            mission = Mission.from_text(text, name=main, folder=Path(folder))
         self.send(read_seconds=self.seconds())
         return mission
 

@@ -113,7 +113,9 @@ def end_with_input() -> None:
 
 
 def _watch_input() -> None:
-    sys.stdin.buffer.read()
+    # Not sys.stdin: its lock, held by a daemon thread, would abort an interpreter that ends.
+    while os.read(0, 1 << 16):
+        continue
     if hasattr(os, "killpg") and os.getpid() == os.getpgrp():
         with suppress(ProcessLookupError):
             os.killpg(0, signal.SIGKILL)

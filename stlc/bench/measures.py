@@ -1,0 +1,145 @@
+"""Statistics of benchmark times: shifted geometric means, profiles, growth exponents."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from stlc.bench.groups import Group, Table
+
+SHIFT = 1.0  # s
+_LEAST = 0.01  # s: below it, times are noise
+
+
+def shifted_geometric_mean(values: Iterable[float], shift: float = SHIFT) -> float:
+    """exp(mean(log(v + shift))) - shift (T. Achterberg's thesis, 2007). ValueError for none."""
+    logs = [math.log(value + shift) for value in values]
+    if not logs:
+        raise ValueError("a mean needs a value")
+    return math.exp(math.fsum(logs) / len(logs)) - shift
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """One configuration over a suite. Ratios are to the reference, on the problems both have."""
+
+    label: str
+    problems: int
+    solved: int
+    plans: int  # with a certified plan
+    mean: float  # shifted geometric mean of seconds
+    ratio: float | None  # of the shifted geometric means
+    geometric: float | None  # geometric mean of the ratios of times, each at least 0.01 s
+    worst: float | None  # the greatest ratio of times
+
+
+def summaries(table: Table) -> list[Summary]:
+    """One line for each configuration."""
+    return [_summary(table, label) for label in table.labels]
+
+
+def _summary(table: Table, label: str) -> Summary:
+    mine, reference = table.of(label), table.of(table.labels[0])
+    common = [problem for problem in mine if problem in reference]
+    ratios = [time_ratio(mine[p], reference[p]) for p in common]
+    means = [
+        shifted_geometric_mean(side[p].seconds for p in common) if common else math.nan
+        for side in (mine, reference)
+    ]
+    return Summary(
+        label,
+        len(mine),
+        sum(g.solved for g in mine.values()),
+        sum(all(run.certified for run in g.runs) for g in mine.values()),
+        shifted_geometric_mean(g.seconds for g in mine.values()),
+        means[0] / means[1] if common and means[1] > 0 else None,
+        math.exp(math.fsum(map(math.log, ratios)) / len(ratios)) if ratios else None,
+        max(ratios, default=None),
+    )
+
+
+def time_ratio(group: Group, reference: Group) -> float:
+    """How many times longer than the reference; times below 0.01 s count as 0.01 s."""
+    return max(group.seconds, _LEAST) / max(reference.seconds, _LEAST)
+
+
+Curve = tuple[list[float], list[float]]
+
+
+def performance_profile(table: Table) -> dict[str, Curve]:
+    """Fraction of problems solved within a factor of the best (E. Dolan, J. More, 2002).
+
+    Only problems that every configuration was run on count; the derived column of the better
+    peer is left out, for it would compete with itself.
+    """
+    labels = own_labels(table)
+    rows = [row for row in table.rows.values() if all(label in row for label in labels)]
+    found = {}
+    for label in labels:
+        factors = sorted(_factor(row, label, labels) for row in rows)
+        solved = [f for f in factors if math.isfinite(f)]
+        found[label] = (solved, [(k + 1) / len(rows) for k in range(len(solved))])
+    return found
+
+
+def own_labels(table: Table) -> tuple[str, ...]:
+    """Configurations that were run, without derived ones."""
+    from stlc.bench.groups import BEST_PEER
+
+    return tuple(label for label in table.labels if label != BEST_PEER)
+
+
+def _factor(row: dict[str, Group], label: str, labels: Sequence[str]) -> float:
+    best = min((max(row[x].seconds, _LEAST) for x in labels if row[x].solved), default=math.inf)
+    return max(row[label].seconds, _LEAST) / best if row[label].solved else math.inf
+
+
+def cactus(table: Table) -> dict[str, Curve]:
+    """How many problems each configuration solves within a time: (count, seconds)."""
+    found = {}
+    for label in own_labels(table):
+        times = sorted(max(g.seconds, _LEAST) for g in table.of(label).values() if g.solved)
+        found[label] = ([float(k) for k in range(1, len(times) + 1)], times)
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class Growth:
+    """value ~ factor * size ** exponent, least squares over logarithms.
+
+    None without three sizes; `quality` is R^2 (1 for a perfect fit).
+    """
+
+    label: str
+    sizes: tuple[float, ...]
+    values: tuple[float, ...]
+    exponent: float | None
+    factor: float
+    quality: float
+
+
+def growth(label: str, points: Iterable[tuple[float, float]]) -> Growth:
+    """Fit positive points."""
+    pairs = sorted((x, y) for x, y in points if x > 0 and y > 0)
+    sizes, values = tuple(x for x, _ in pairs), tuple(y for _, y in pairs)
+    if len(set(sizes)) < 3:
+        return Growth(label, sizes, values, None, 0.0, 0.0)
+    import numpy as np
+
+    x, y = np.log(sizes), np.log(values)
+    exponent, offset = (float(v) for v in np.polyfit(x, y, 1))
+    left = float(np.sum((y - exponent * x - offset) ** 2))
+    total = float(np.sum((y - y.mean()) ** 2))
+    quality = 1.0 - left / total if total > 0 else 1.0
+    return Growth(label, sizes, values, exponent, math.exp(offset), quality)
+
+
+def families(table: Table) -> dict[str, list[Group]]:
+    """Groups that lie on a growth curve, by axis."""
+    found: dict[str, list[Group]] = {}
+    for label in own_labels(table):
+        for group in table.of(label).values():
+            if group.first.axis:
+                found.setdefault(group.first.axis, []).append(group)
+    return found
