@@ -65,10 +65,7 @@ def import_command(file: Path, dialect: str, step: Fraction | None, output: Path
     from stlc.files import write_atomic
     from stlc.syntax.read import decode, read_source
 
-    if str(file) == "-":
-        source = decode("<stdin>", sys.stdin.buffer.read())
-    else:
-        source = read_source(file)
+    source = decode("<stdin>", sys.stdin.buffer.read()) if str(file) == "-" else read_source(file)
     imported = import_text(source, dialect, step)
     if imported.warnings:
         show_diagnostics(imported.warnings)

@@ -5,7 +5,7 @@ Statements: `param a=1, b=2`, `signal x, y` (also `input signal`, `output signal
 name is a parameter or a formula. Times are seconds.
 
 Breach splits a formula at the loosest operator first: or, =>, and, until, then the unary ones
-(STL_Formula.m, STL_Parse); repeated operators group from the right. Robustness follows A. Donze,
+(STL_Formula.m, STL_Parse); repeated `=>` group from the right. Robustness follows A. Donze,
 T. Ferrere and O. Maler, Efficient robust monitoring for STL, CAV 2013: in `p until_[a,b] q`, p must
 hold up to and including the moment at which q does, as here. Breach judges signals between their
 samples too; here the samples count.
@@ -57,9 +57,9 @@ class BreachParser(Parser):
             **SIGNS,
         },
         infix={
-            **{word: Infix("or", 11, right=True) for word in ("or", "|", "||")},
+            **{word: Infix("or", 11) for word in ("or", "|", "||")},
             **{word: Infix("implies", 12, right=True) for word in ("=>", "->", "implies")},
-            **{word: Infix("and", 13, right=True) for word in ("and", "&", "&&")},
+            **{word: Infix("and", 13) for word in ("and", "&", "&&")},
             **{word: Infix("until", 14) for word in ("until", "until_", "U", "U_")},
             **compared(17, {"<": "<", "<=": "<=", ">": ">", ">=": ">=", "==": "==", "=": "=="}),
             **compared(17, {"~=": "!=", "!=": "!="}),
