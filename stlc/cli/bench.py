@@ -167,3 +167,48 @@ def _listing(suites: tuple[Suite, ...]) -> str:
             quick = "quick" if problem.quick else ""
             lines.append(f"  {problem.name:36} {quick:6} {problem.generator}".rstrip())
     return "\n".join(lines)
+
+
+@bench_command.command("report")
+@click.option("--store", type=click.Path(path_type=Path), default=_STORE, show_default=True,
+              help="A store, or a CSV that this command wrote.")  # fmt: skip
+@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="FILE.html")
+@click.option("--csv", "csv_path", type=click.Path(path_type=Path), metavar="FILE.csv",
+              help="Every figure of every run.")  # fmt: skip
+@click.option("--suite", "suites", callback=_words, default="", metavar="A,B", help="Only these.")
+@click.option("--against", type=click.Path(path_type=Path), metavar="OLD",
+              help="Name what got worse since the runs of this store or CSV.")  # fmt: skip
+def report_command(
+    store: Path, output: Path | None, csv_path: Path | None, suites: tuple[str, ...],
+    against: Path | None,
+) -> int:  # fmt: skip
+    """Say what the runs of a store came to: a summary here, an HTML page, a CSV."""
+    from stlc.bench.groups import groups_of
+    from stlc.bench.summary import changes_text, summary_text
+    from stlc.bench.table import read_runs, to_csv
+    from stlc.errors import UsageError
+    from stlc.files import write_atomic
+
+    records = [r for r in read_runs(store) if not suites or r.suite in suites]
+    if not records:
+        raise UsageError(f"there are no such runs in {store}")
+    found = None if against is None else _against(groups_of(records), against)
+    click.echo(summary_text(records))
+    if found is not None:
+        click.echo(changes_text(*found))
+    if csv_path is not None:
+        write_atomic(csv_path, to_csv(records))
+    if output is not None:
+        from stlc.bench.page import page
+
+        write_atomic(output, page(records, found))
+        click.echo(f"{output} written")
+    return 0
+
+
+def _against(now: Any, path: Path) -> tuple[str, Any]:
+    from stlc.bench.compare import changes
+    from stlc.bench.groups import groups_of
+    from stlc.bench.table import read_runs
+
+    return path.name, changes(now, groups_of(read_runs(path)))

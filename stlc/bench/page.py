@@ -1,0 +1,193 @@
+"""The report as one HTML page that needs nothing else: no network, no other file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from html import escape
+from importlib.resources import files
+
+from stlc.bench.compare import Change
+from stlc.bench.groups import Group, Table, disagreements, groups_of, tables_of
+from stlc.bench.html import Cell, number, table
+from stlc.bench.measures import Summary, summaries, time_ratio
+from stlc.bench.plots import plots
+from stlc.bench.record import Record
+
+_GOOD, _FAIR = ("optimal", "infeasible"), ("feasible", "no_plan", "out_of_time", "out_of_memory")
+
+
+def page(records: Sequence[Record], compared: tuple[str, Sequence[Change]] | None = None) -> str:
+    """The whole page; `compared` is the name of older runs and what changed since."""
+    groups = groups_of(records)
+    tables = tables_of(groups)
+    used = [run for group in groups for run in group.runs]
+    body = [_header(used), _nav(tables, compared is not None), '<main class="wide">']
+    if compared is not None:
+        body.append(_changes(*compared))
+    body += [_section(one) for one in tables]
+    body.append("</main>")
+    return _TEMPLATE.format(
+        css=_resource("page.css"), js=_resource("page.js"), body="\n".join(body), notes=_NOTES
+    )
+
+
+def _resource(name: str) -> str:
+    return files("stlc.bench").joinpath(name).read_text(encoding="utf-8")
+
+
+_TEMPLATE = """<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>stlc benchmarks</title>
+<style>
+{css}</style>
+</head>
+<body>
+{body}
+<footer class="wide">{notes}</footer>
+<script>
+{js}</script>
+</body>
+</html>
+"""
+
+_NOTES = (
+    "Times are those of the solver and the search around it, without reading and compiling, which "
+    "have their own column; a run without proof counts with its time limit. Means are shifted "
+    "geometric means (shift 1 s); ratios are to the first configuration, times below 0.01 s "
+    "counting as 0.01 s. Every plan was certified against the model and verified against the "
+    "mission by an independent evaluator; peers' models have no mission and are certified only."
+)
+
+
+def _header(runs: Sequence[Record]) -> str:
+    def listed(values: Iterable[str]) -> list[str]:
+        return sorted({value for value in values if value})
+
+    dates = [run.finished for run in runs]
+    codes = listed(run.code for run in runs)
+    loads = [run.load for run in runs if run.load is not None]
+    lines = [
+        f"{len(runs)} runs, {min(dates)[:16]} to {max(dates)[:16]} UTC"
+        + (f"; load average {min(loads):.1f} to {max(loads):.1f}" if loads else ""),
+        *listed(run.processor for run in runs),
+        *listed(run.versions for run in runs),
+        f"sources {', '.join(codes)}"
+        + (": several versions, compare with care" if len(codes) > 1 else ""),
+    ]
+    commands = [f"<p><code>{escape(c)}</code></p>" for c in listed(run.command for run in runs)]
+    about = [f"<p>{escape(line)}</p>" for line in lines]
+    return "\n".join(
+        ['<header><div class="wide">', "<h1>stlc benchmarks</h1>", *about, *commands[:8],
+         "</div></header>"]
+    )  # fmt: skip
+
+
+def _nav(tables: Sequence[Table], compared: bool) -> str:
+    names = [("changes", "Changes")] if compared else []
+    names += [(t.suite, t.suite) for t in tables]
+    links = "".join(f'<a href="#{escape(k)}">{escape(v)}</a>' for k, v in names)
+    return f'<nav><div class="wide">{links}</div></nav>'
+
+
+def _changes(name: str, changes: Sequence[Change]) -> str:
+    bad = [c for c in changes if c.kind in ("disagreement", "regression")]
+    mood = "alarm" if bad else "calm"
+    count = f"{len(bad)} regressions" if bad else "No regression"
+    rows = [
+        [Cell(c.kind, css="bad" if c in bad else ""), Cell(c.suite), Cell(c.problem),
+         Cell(c.label), Cell(c.text), number(c.ratio, ".2f")]
+        for c in changes
+    ]  # fmt: skip
+    heads = ("change", "suite", "problem", "configuration", "what", "ratio")
+    body = table(heads, rows, text=5) if rows else ""
+    return (
+        f'<section id="changes"><h2>Changes against {escape(name)}</h2>'
+        f'<div class="card {mood} scroll"><h3>{count} beyond the noise of the runs</h3>{body}</div>'
+        "</section>"
+    )
+
+
+def _section(one: Table) -> str:
+    parts = [f'<section id="{escape(one.suite)}"><h2>Suite {escape(one.suite)}</h2>']
+    parts.append(f'<div class="card scroll">{_summary_table(summaries(one))}</div>')
+    parts.append(_agreement(one))
+    cards = [f'<div class="card"><h3>{escape(title)}</h3>{svg}</div>' for title, svg in plots(one)]
+    parts.append(f'<div class="grid">{"".join(cards)}</div>')
+    parts.append(f'<div class="card scroll">{_problem_table(one)}</div></section>')
+    return "\n".join(parts)
+
+
+def _agreement(one: Table) -> str:
+    wrong = disagreements(one)
+    if wrong:
+        lines = "".join(f"<li>{escape(line)}</li>" for line in wrong)
+        return f'<div class="card alarm"><h3>Proven optima disagree</h3><ul>{lines}</ul></div>'
+    several = sum(
+        sum(group.status == "optimal" for group in row.values()) > 1 for row in one.rows.values()
+    )
+    text = f"All proven optima agree ({several} problems were solved in several ways)."
+    return f'<div class="card calm"><h3>{text}</h3></div>' if several else ""
+
+
+def _summary_table(lines: Sequence[Summary]) -> str:
+    heads = (
+        "configuration", "problems", "solved to proof", "with a certified plan",
+        "mean time [s]", "mean / reference", "geometric mean of ratios", "greatest ratio",
+    )  # fmt: skip
+    rows = [
+        [Cell(s.label), number(s.problems, "d"), number(s.solved, "d"), number(s.plans, "d"),
+         number(s.mean, ".3f"), number(s.ratio, ".2f"), number(s.geometric, ".2f"),
+         number(s.worst, ".2f")]
+        for s in lines
+    ]  # fmt: skip
+    return table(heads, rows, text=1)
+
+
+_HEADS = (
+    "problem", "configuration", "status", "objective", "gap", "LP bound", "time [s]", "from [s]",
+    "to [s]", "ratio", "first plan [s]", "compile [s]", "nodes", "columns", "binaries", "rows",
+    "nonzeros", "memory [MB]", "note",
+)  # fmt: skip
+
+
+def _problem_table(one: Table) -> str:
+    rows, firsts = [], []
+    for row in one.rows.values():
+        reference = row.get(one.labels[0])
+        for k, label in enumerate(label for label in one.labels if label in row):
+            firsts.append(k == 0)
+            rows.append(_row(label, row[label], reference))
+    return table(_HEADS, rows, text=3, firsts=firsts)
+
+
+def _row(label: str, group: Group, reference: Group | None) -> list[Cell]:
+    value = group.value
+    memory = value("peak_memory")
+    ratio = None if reference is None else time_ratio(group, reference)
+    # An unsolved run is at least this much slower; an unsolved reference bounds it from above.
+    mark = ("≥ " if not group.solved else "") if reference is None or reference.solved else "≤ "
+    unknown = not group.solved and reference is not None and not reference.solved
+    note = next((run.message for run in group.runs if run.message and not run.certified), "")
+    return [
+        Cell(group.first.problem), Cell(label), Cell(_status(group), css=_css(group)),
+        number(value("objective"), ".6g"), number(value("gap"), ".2%"),
+        number(value("lp_bound"), ".5g"), number(group.seconds, ".2f"),
+        number(group.spread[0], ".2f"), number(group.spread[1], ".2f"),
+        Cell("") if unknown else number(ratio, ".2f", prefix=mark),
+        number(value("first_plan"), ".2f"), number(value("compile_seconds"), ".2f"),
+        *(number(value(k), ".0f") for k in ("nodes", "columns", "binaries", "rows", "nonzeros")),
+        number(None if memory is None else memory / 2**20, ".0f"), Cell(note[:60]),
+    ]  # fmt: skip
+
+
+def _status(group: Group) -> str:
+    return group.status.replace("_", " ")
+
+
+def _css(group: Group) -> str:
+    if group.status in _GOOD:
+        return "status good"
+    return "status fair" if group.status in _FAIR else "status bad"
