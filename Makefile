@@ -17,7 +17,7 @@ $(STAMP): pyproject.toml constraints.txt
 	@touch $@
 
 demo: $(STAMP) ## solve the paper's case and the flat; plans and pictures go to out/
-	$(BIN)/python examples/demo.py --out $(OUT)
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python examples/demo.py --out $(OUT)
 
 test: $(STAMP) ## run all tests (reduced hypothesis profile)
 	HYPOTHESIS_PROFILE=ci $(BIN)/python -m pytest -q
