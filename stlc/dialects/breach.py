@@ -30,7 +30,7 @@ from stlc.dialects.tree import (
     Sample,
     Signals,
 )
-from stlc.source import Span
+from stlc.source import Source, Span
 
 _ALWAYS, _EVENTUALLY = Prefix("always", 15), Prefix("eventually", 15)
 _SYMBOLS = (
@@ -78,6 +78,10 @@ class BreachParser(Parser):
         constants={"true": True, "false": False},
     )
 
+    def __init__(self, source: Source) -> None:
+        super().__init__(source)
+        self._declared: dict[str, int] = {}
+
     def items(self) -> list[Item]:
         """The statements of the next declaration or definition."""
         token = self.token
@@ -122,7 +126,14 @@ class BreachParser(Parser):
     def _param(self) -> Param:
         name = self.name()
         value = self.expression(18) if self.accept("=") else None
-        return Param(self.since(name.span), name.text, value)
+        return Param(self.since(name.span), self._fresh(name.text), value)
+
+    def _fresh(self, name: str) -> str:
+        """A parameter that is declared again is another one for the formulas that follow."""
+        self._declared[name] = self._declared.get(name, 0) + 1
+        if self._declared[name] > 1:
+            self.renamed[name] = f"{name}_{self._declared[name]}"
+        return self.renamed.get(name, name)
 
     def _signals(self) -> Signals:
         start = self.take().span

@@ -89,6 +89,7 @@ class Parser:
         self.tokens = tokenize(source, self.language.scanner)
         self.at = 0
         self.depth = 0
+        self.renamed: dict[str, str] = {}
         self.warnings: list[Diagnostic] = []
 
     # --- tokens ----------------------------------------------------------------------------
@@ -247,7 +248,7 @@ class Parser:
     def _named(self) -> Expr:
         token = self.take()
         if token.text not in self.language.functions or not self.accept("("):
-            return Name(token.span, token.text)
+            return Name(token.span, self.renamed.get(token.text, token.text))
         args = [self.expression()]
         while self.accept(","):
             args.append(self.expression())

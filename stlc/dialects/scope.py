@@ -139,11 +139,13 @@ class Scope:
 def survey(items: Sequence[Item], dialect: Dialect) -> Scope:
     """Every name and time of a file. Raises ImportFailure for a value that is no number."""
     scope = Scope(dialect)
+    defined = {item.name for item in items if isinstance(item, Definition)}
     for item in items:
         match item:
             case Signals(names=names):
                 for name in names:
-                    _signal(scope, name)
+                    if name not in defined:  # rtamt declares the names of assertions too
+                        _signal(scope, name)
             case Param():
                 _declare_param(scope, item)
             case Definition():

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from stlc.dialects.arithmetic import as_sum, decimal, greatest_common, value
 from stlc.dialects.errors import DialectTime, ImportFailure
-from stlc.dialects.scope import Scope
+from stlc.dialects.scope import ParamUse, Scope
 from stlc.dialects.tree import Bound, Expr, Interval
 from stlc.source import Span
 
@@ -120,17 +120,24 @@ class Times:
         unit = bound.unit or self.unit
         less = earlier * self.step / SECONDS[unit] if unit else Fraction(earlier)
         form = as_sum(bound.expr)
-        uses = self.scope.params
-        if form is None or (unit and not all(uses[n].is_time for n in form[1])):
-            return self._mixed(bound.expr, unit, less)
+        if form is None:
+            return self._product(bound.expr, unit, less)
         constant, terms = form[0] - less, form[1]
-        texts = [_term(c, uses[n].emitted) for n, c in terms.items()]
+        texts = [self._term(c, self.scope.params[n], unit) for n, c in terms.items()]
         if constant or not texts:
-            texts.append(f"{decimal(constant)} {unit}".rstrip())
-        return " + ".join(texts).replace("+ -", "- ")
+            number = decimal(constant)
+            texts.append(f"({number}) * 1 {unit}" if "/" in number and unit else f"{number} {unit}")
+        return " + ".join(texts).replace("+ -", "- ").rstrip()
 
-    def _mixed(self, expr: Expr, unit: str, less: Fraction) -> str:
-        """A time made of pure numbers."""
+    def _term(self, coefficient: Fraction, use: ParamUse, unit: str) -> str:
+        """A parameter in seconds stands as it is; a pure number is given the unit."""
+        name = f"{use.emitted} * 1 {unit}" if unit and not use.is_time else use.emitted
+        if abs(coefficient) == 1:
+            return name if coefficient == 1 else f"-{name}"
+        return f"{_factor(coefficient)} * {name}"
+
+    def _product(self, expr: Expr, unit: str, less: Fraction) -> str:
+        """A time that isn't a sum of parameters; all its parameters are pure numbers."""
         from stlc.dialects.numbers import PRODUCT, constant_number
 
         number = constant_number(expr, self.scope)
@@ -138,10 +145,9 @@ class Times:
         return f"{text} * 1 {unit}" if unit else text
 
 
-def _term(coefficient: Fraction, name: str) -> str:
-    if coefficient == 1:
-        return name
-    return f"-{name}" if coefficient == -1 else f"{decimal(coefficient)} * {name}"
+def _factor(number: Fraction) -> str:
+    text = decimal(number)
+    return f"({text})" if "/" in text else text
 
 
 def _mistake(span: Span, problem: str, advice: str) -> ImportFailure:

@@ -63,7 +63,24 @@ CASES = [
         ["step 1 s", "param equal_within = 2e-6", "signal gear",
          "require a: abs(gear - 3) <= equal_within"],
     ),
-    ("breach", "a := alw [] (x[t]>1)", ["step 1 s", "signal x", "require a: always (always (x > 1))"]),
+    (
+        "breach",
+        "a := alw [] (x[t]>1)",
+        ["step 1 s", "signal x", "require a: always (always (x > 1))"],
+    ),
+    (
+        "breach",
+        "param T=4, dt=0.5\na := alw_[0, T-2*dt] x[t] > dt\n"
+        "param T=6\nb := ev_[T, T*dt*4] x[t] > 0",
+        ["step 1 s", "param T = 4 s", "param dt = 0.5", "param T_2 = 6", "signal x",
+         "require a: always[0 s, T - 2 * dt * 1 s] (x > dt)",
+         "require b: eventually[T_2 * 1 s, T_2 * dt * 4 * 1 s] (x > 0)"],
+    ),
+    (
+        "rtamt",
+        "float x; float y; y = x + 1; y > 2",
+        ["step 1 s", "signal x", "let y = x + 1", "require: y > 2"],
+    ),
     (
         "breach",
         "p := x[t] > 1\np := x[t] > 2 and p\nq := ev p",
