@@ -9,16 +9,17 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from stlc.bench.measures import Curve, Growth
-from stlc.plot.style import RC, looks
+from stlc.plot.style import RC, Look
 
+Styles = Mapping[str, Look]
 _SIZE = (5.6, 3.5)  # inches
+_LEAST_GAP, _MOST_GAP = 1e-5, 10.0  # an incumbent near 0 has any gap: beyond 1,000 % is one thing
 
 
-def profile_svg(curves: Mapping[str, Curve]) -> str:
+def profile_svg(curves: Mapping[str, Curve], styles: Styles) -> str:
     """Performance profile: fraction solved (y) within a factor of the best (x)."""
     fig, ax = _axes("times the best time", "fraction of problems solved")
     top = max([f for xs, _ in curves.values() for f in xs] + [2.0]) * 1.5
-    styles = looks(curves)
     for label, (xs, ys) in curves.items():
         steps = ([1.0, *xs, top], [0.0, *ys, ys[-1] if ys else 0.0])
         ax.step(*steps, where="post", color=styles[label].colour, label=label, linewidth=1.8)
@@ -28,10 +29,12 @@ def profile_svg(curves: Mapping[str, Curve]) -> str:
     return _finish(fig, ax)
 
 
-def cactus_svg(curves: Mapping[str, Curve], limit: float) -> str:
+def cactus_svg(curves: Mapping[str, Curve], styles: Styles, limit: float) -> str:
     """Cactus plot: seconds (y) within which so many problems (x) are solved."""
     fig, ax = _axes("problems solved", "solver time [s]")
-    _lines(ax, curves)
+    for label, (xs, ys) in curves.items():
+        look = styles[label]
+        ax.plot(xs, ys, marker=look.marker, markersize=4.5, color=look.colour, label=label)
     ax.axhline(limit, color="#9A9A9A", linestyle=":", linewidth=1.0)
     ax.annotate("time limit", (0.01, limit), xycoords=("axes fraction", "data"),
                 va="bottom", color="#707070", fontsize=8)  # fmt: skip
@@ -41,10 +44,9 @@ def cactus_svg(curves: Mapping[str, Curve], limit: float) -> str:
     return _finish(fig, ax)
 
 
-def growth_svg(curves: Sequence[Growth], size: str, quantity: str) -> str:
+def growth_svg(curves: Sequence[Growth], styles: Styles, size: str, quantity: str) -> str:
     """A quantity over a size, both logarithmic, with fitted powers dashed."""
     fig, ax = _axes(size, quantity)
-    styles = looks([curve.label for curve in curves])
     for curve in curves:
         look = styles[curve.label]
         ax.plot(curve.sizes, curve.values, look.marker, color=look.colour, label=_legend(curve))
@@ -58,10 +60,9 @@ def growth_svg(curves: Sequence[Growth], size: str, quantity: str) -> str:
     return _finish(fig, ax)
 
 
-def gap_svg(curves: Mapping[str, Curve]) -> str:
+def gap_svg(curves: Mapping[str, Curve], styles: Styles) -> str:
     """Relative gap (y) over seconds of the solver (x)."""
-    fig, ax = _axes("solver time [s]", "gap")
-    styles = looks(curves)
+    fig, ax = _axes("solver time [s]", "relative gap")
     for label, (xs, ys) in curves.items():
         ax.step(xs, ys, where="post", color=styles[label].colour, label=label, linewidth=1.6)
     ax.set_yscale("log")
@@ -84,11 +85,6 @@ def _axes(x: str, y: str) -> tuple[Any, Any]:
         ax.set_xlabel(x)
         ax.set_ylabel(y)
     return fig, ax
-
-
-def _lines(ax: Any, curves: Mapping[str, Curve]) -> None:
-    for (label, (xs, ys)), look in zip(curves.items(), looks(curves).values(), strict=True):
-        ax.plot(xs, ys, marker=look.marker, markersize=4.5, color=look.colour, label=label)
 
 
 def _plain_ticks(ax: Any, values: Sequence[float]) -> None:
@@ -118,7 +114,7 @@ def _inline(svg: str) -> str:
 
 
 def finite_gaps(points: Sequence[tuple[float | None, ...]]) -> Curve:
-    """Seconds and gaps of a trace, where both incumbent and bound are known; at least 1e-5."""
+    """Seconds and gaps of a trace, where both incumbent and bound are known, within 1e-5 and 10."""
     xs, ys = [], []
     for seconds, objective, bound, *_ in points:
         if seconds is None or objective is None or bound is None:
@@ -126,5 +122,5 @@ def finite_gaps(points: Sequence[tuple[float | None, ...]]) -> Curve:
         gap = abs(objective - bound) / max(abs(objective), 1e-10)
         if math.isfinite(gap):
             xs.append(seconds)
-            ys.append(max(gap, 1e-5))
+            ys.append(min(max(gap, _LEAST_GAP), _MOST_GAP))
     return xs, ys

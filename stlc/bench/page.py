@@ -9,7 +9,7 @@ from importlib.resources import files
 from stlc.bench.compare import Change
 from stlc.bench.groups import Group, Table, disagreements, groups_of, tables_of
 from stlc.bench.html import Cell, number, table
-from stlc.bench.measures import Summary, summaries, time_ratio
+from stlc.bench.measures import Summary, own_labels, summaries, time_ratio
 from stlc.bench.plots import plots
 from stlc.bench.record import Record
 
@@ -147,8 +147,8 @@ def _summary_table(lines: Sequence[Summary]) -> str:
 
 
 _HEADS = (
-    "problem", "configuration", "status", "objective", "gap", "LP bound", "time [s]", "from [s]",
-    "to [s]", "ratio", "first plan [s]", "compile [s]", "nodes", "columns", "binaries", "rows",
+    "problem", "configuration", "status", "objective", "gap", "LP bound", "time [s]", "range [s]",
+    "ratio", "first plan [s]", "compile [s]", "nodes", "columns", "binaries", "rows",
     "nonzeros", "memory [MB]", "note",
 )  # fmt: skip
 
@@ -157,7 +157,7 @@ def _problem_table(one: Table) -> str:
     rows, firsts = [], []
     for row in one.rows.values():
         reference = row.get(one.labels[0])
-        for k, label in enumerate(label for label in one.labels if label in row):
+        for k, label in enumerate(label for label in own_labels(one) if label in row):
             firsts.append(k == 0)
             rows.append(_row(label, row[label], reference))
     return table(_HEADS, rows, text=3, firsts=firsts)
@@ -175,12 +175,17 @@ def _row(label: str, group: Group, reference: Group | None) -> list[Cell]:
         Cell(group.first.problem), Cell(label), Cell(_status(group), css=_css(group)),
         number(value("objective"), ".6g"), number(value("gap"), ".2%"),
         number(value("lp_bound"), ".5g"), number(group.seconds, ".2f"),
-        number(group.spread[0], ".2f"), number(group.spread[1], ".2f"),
+        _range(group),
         Cell("") if unknown else number(ratio, ".2f", prefix=mark),
         number(value("first_plan"), ".2f"), number(value("compile_seconds"), ".2f"),
         *(number(value(k), ".0f") for k in ("nodes", "columns", "binaries", "rows", "nonzeros")),
         number(None if memory is None else memory / 2**20, ".0f"), Cell(note[:60]),
     ]  # fmt: skip
+
+
+def _range(group: Group) -> Cell:
+    low, high = group.spread
+    return Cell(f"{low:.2f} to {high:.2f}" if len(group.runs) > 1 else "", repr(high - low))
 
 
 def _status(group: Group) -> str:

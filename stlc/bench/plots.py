@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from stlc.bench.drawing import cactus_svg, finite_gaps, gap_svg, growth_svg, profile_svg
+from stlc.bench.drawing import Styles, cactus_svg, finite_gaps, gap_svg, growth_svg, profile_svg
 from stlc.bench.groups import Group, Table
 from stlc.bench.measures import (
     Curve,
@@ -15,6 +15,7 @@ from stlc.bench.measures import (
     own_labels,
     performance_profile,
 )
+from stlc.plot.style import looks
 
 _QUANTITIES = (
     ("seconds", "solver time [s]"),
@@ -26,26 +27,27 @@ _GAPS = 4  # at most, so many problems' gaps over time are drawn: the longest
 
 def plots(table: Table) -> Iterator[tuple[str, str]]:
     """(title, SVG)."""
+    styles = looks(own_labels(table))
     curves = cactus(table)
     if len(table.rows) > 1 and any(xs for xs, _ in curves.values()):
         limit = max(g.first.time_limit for row in table.rows.values() for g in row.values())
         if len(curves) > 1:
-            yield "Performance profile", profile_svg(performance_profile(table))
-        yield "Cactus plot", cactus_svg(curves, limit)
+            yield "Performance profile", profile_svg(performance_profile(table), styles)
+        yield "Cactus plot", cactus_svg(curves, styles, limit)
     for axis, groups in families(table).items():
-        yield from _growth_plots(axis, groups)
+        yield from _growth_plots(axis, groups, styles)
     for problem in _longest(table):
         shown = _gaps(table, problem)
         if shown:
-            yield f"Gap over time: {problem}", gap_svg(shown)
+            yield f"Gap over time: {problem}", gap_svg(shown, styles)
 
 
-def _growth_plots(axis: str, groups: Sequence[Group]) -> Iterator[tuple[str, str]]:
+def _growth_plots(axis: str, groups: Sequence[Group], styles: Styles) -> Iterator[tuple[str, str]]:
     generator, _, size = axis.rpartition(" ")
     for name, title in _QUANTITIES:
-        curves = [c for c in _curves(groups, name) if len(c.sizes) > 1]
+        curves = [c for c in _curves(groups, name) if len(set(c.sizes)) > 2]
         if curves:
-            yield f"Growth of {generator} with {size}: {title}", growth_svg(curves, size, title)
+            yield f"{generator} over {size}: {title}", growth_svg(curves, styles, size, title)
 
 
 def _curves(groups: Sequence[Group], name: str) -> list[Growth]:
