@@ -55,18 +55,25 @@ class _Parser:
         self.statements: list[ast.Statement] = []
         self.comments: list[ast.Comment] = []
         self.mistakes: list[Diagnostic] = []
+        self.stopped = False
 
     def run(self) -> ParseResult:
         for chunk in split(self.source, list(self._meaningful())):
-            if len(self.mistakes) >= MAX_MISTAKES:
-                span = self.source.span(chunk.tokens[0].start, chunk.tokens[0].end)
-                self.mistakes.append(TooManyMistakes(span=span, count=MAX_MISTAKES))
+            if self._full(chunk.tokens[0]):
                 break
             self._chunk(chunk)
         found = [*self.mistakes, *self.builder.mistakes, *self.builder.mixes.warnings]
         found.sort(key=lambda d: d.span.start if d.span else 0)
         file = ast.File(self.source, tuple(self.statements), tuple(self.comments))
         return ParseResult(file, tuple(found))
+
+    def _full(self, token: Token) -> bool:
+        """Whether enough mistakes were told; says so, once, at the token where reading ends."""
+        if len(self.mistakes) >= MAX_MISTAKES and not self.stopped:
+            span = self.source.span(token.start, token.end)
+            self.mistakes.append(TooManyMistakes(span=span, count=MAX_MISTAKES))
+            self.stopped = True
+        return self.stopped
 
     def _meaningful(self) -> list[Token]:
         """Raw tokens without comments and without characters that mean nothing."""
@@ -85,24 +92,33 @@ class _Parser:
 
     def _chunk(self, chunk: Chunk) -> None:
         first = chunk.tokens[0]
-        if first.kind == NAME and statement_words().get(first.text) == "ST_PREFER":
-            self._reserved(chunk)
+        if statement_words().get(first.text) == "ST_PREFER":
+            self._reserved(chunk.tokens)
         elif any(token.kind == BAD or not _closed(token) for token in chunk.tokens):
             return  # told already
         elif chunk.mistake is not None:
             self.mistakes.append(chunk.mistake)
         else:
-            self._statement(chunk.tokens)
+            self._statements(chunk.tokens)
 
-    def _reserved(self, chunk: Chunk) -> None:
-        first, second, *_ = (*chunk.tokens[:2], chunk.tokens[0])
+    def _reserved(self, tokens: list[Token]) -> None:
+        first, second, *_ = (*tokens[:2], tokens[0])
         span = self.source.span(first.start, first.end)
         self.mistakes.append(ReservedWord(span=span, word=first.text))
         name = self.builder.ident(second) if second.kind == NAME and second != first else None
-        whole = self.source.span(first.start, chunk.tokens[-1].end)
+        whole = self.source.span(first.start, tokens[-1].end)
         self.statements.append(ast.Prefer(whole, name))
 
-    def _statement(self, raw: list[Token]) -> None:
+    def _statements(self, raw: list[Token]) -> None:
+        """One statement, and those behind it where the line between them is alien."""
+        while raw and not self._full(raw[0]):
+            if statement_words().get(raw[0].text) == "ST_PREFER":
+                self._reserved(raw)
+                return
+            raw = self._statement(raw)
+
+    def _statement(self, raw: list[Token]) -> list[Token]:
+        """Read one statement; the tokens that are left after a line that is alien."""
         tokens = classify(raw)
         noticed = len(self.builder.mixes.warnings)
         outcome: Any = run(tokens, self.builders)
@@ -110,23 +126,23 @@ class _Parser:
             del self.builder.mixes.warnings[noticed:]  # of half a statement
         match outcome:
             case Stuck():
-                self._recover(raw, tokens, outcome)
+                return self._recover(raw, tokens, outcome)
             case TooDeep(start, end):
                 span = self.source.span(start, end)
                 self.mistakes.append(NestingTooDeep(span=span, limit=MAX_DEPTH))
             case _:
                 self.statements.append(outcome)
+        return []
 
-    def _recover(self, raw: list[Token], tokens: list[Token], stuck: Stuck) -> None:
-        """Report the mistake; go on with the parts before and after a line that is alien."""
+    def _recover(self, raw: list[Token], tokens: list[Token], stuck: Stuck) -> list[Token]:
+        """Report the mistake; read the part before a line that is alien, return that after it."""
         from stlc.syntax.trouble import Trouble, explain  # only mistakes need explanations
 
         explained = explain(Trouble(self.source, raw, tokens, stuck.state, stuck.index))
         if explained.before:
             self._statement(list(explained.before))
         self.mistakes.append(explained.mistake)
-        if explained.after:
-            self._statement(list(explained.after))
+        return list(explained.after)
 
 
 def _closed(token: Token) -> bool:
