@@ -80,7 +80,7 @@ class BreachParser(Parser):
 
     def __init__(self, source: Source) -> None:
         super().__init__(source)
-        self._declared: dict[str, int] = {}
+        self._declared: dict[str, list[str]] = {}
 
     def items(self) -> list[Item]:
         """The statements of the next declaration or definition."""
@@ -126,13 +126,16 @@ class BreachParser(Parser):
     def _param(self) -> Param:
         name = self.name()
         value = self.expression(18) if self.accept("=") else None
-        return Param(self.since(name.span), self._fresh(name.text), value)
+        text = "" if value is None else value.span.text
+        return Param(self.since(name.span), self._fresh(name.text, text), value)
 
-    def _fresh(self, name: str) -> str:
-        """A parameter that is declared again is another one for the formulas that follow."""
-        self._declared[name] = self._declared.get(name, 0) + 1
-        if self._declared[name] > 1:
-            self.renamed[name] = f"{name}_{self._declared[name]}"
+    def _fresh(self, name: str, value: str) -> str:
+        """A parameter that is given another value is another one for the formulas that follow."""
+        values = self._declared.setdefault(name, [])
+        if not values or values[-1] != value:
+            values.append(value)
+        if len(values) > 1:
+            self.renamed[name] = f"{name}_{len(values)}"
         return self.renamed.get(name, name)
 
     def _signals(self) -> Signals:

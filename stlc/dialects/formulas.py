@@ -136,22 +136,16 @@ class Formulas:
     def _until(self, operator: str, left: str, interval: Interval | None, right: str) -> Text:
         """With an open end, the left side lasts one step less than here.
 
-        For windows from a >= 1 on: p until[a, b] q = p until[a-1, b-1] next q. From 0 on, q may
-        hold at once: q or (p until[0, b-1] next q). Release is the dual.
+        The window from 0 on: p until q = (p or q) until q, for the first q ends it. From a >= 1 on:
+        p until[a, b] q = p until[a-1, b-1] next q. Both hold for robustness too, since they hold
+        for the sets where it exceeds any level. Release is the dual.
         """
         window = (0, None) if interval is None else self.times.window(interval)
-        if not self.scope.dialect.open_until:
-            return Text(f"{left} {operator}{self.times.interval(interval)} {right}")
-        if interval is not None and window[0] > 0:
-            earlier = self.times.interval(interval, 1)
-            return Text(f"{left} {operator}{earlier} (next {right})")
-        if window[1] == 0:
-            return Text(right, TIGHT)
-        within = ""
-        if interval is not None and interval.end is not None:
-            within = self.times.prefix(interval.end)
-        join = "or" if operator == "until" else "and"
-        return Text(f"{right} {join} ({left} {operator}{within} (next {right}))")
+        if self.scope.dialect.open_until and window[0] > 0:
+            return Text(f"{left} {operator}{self.times.interval(interval, 1)} (next {right})")
+        if self.scope.dialect.open_until:
+            left = f"({left} {'or' if operator == 'until' else 'and'} {right})"
+        return Text(f"{left} {operator}{self.times.interval(interval)} {right}")
 
 
 def _is_temporal(expr: Expr) -> bool:

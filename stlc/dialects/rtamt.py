@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from stlc.dialects.errors import DialectUnsupported, ImportFailure, OddGrouping
+from stlc.dialects.errors import OddGrouping
 from stlc.dialects.pratt import Infix, Language, Parser, Prefix, compared
 from stlc.dialects.tokens import pattern
 from stlc.dialects.tree import Binary, Definition, Item, Operator, Param, Signals
@@ -124,19 +124,15 @@ class RtamtParser(Parser):
         start = self.token
         constant = self.accept("const")
         self.accept("input", "output", "internal")
-        type_name = self.name()
-        if type_name.text not in _TYPES:
-            what = f"signals of the type `{type_name.text}`"
-            advice = "declare the fields that the formula uses as `float` signals"
-            raise ImportFailure(DialectUnsupported(span=type_name.span, what=what, advice=advice))
-        name = self.name()
+        type_name, name = self.name(), self.name()
         value = self.expression() if self.accept("=") else None
         span = self.since(start.span)
         if constant:
             return [Param(span, name.text, value)]
         if value is not None:
             return [Definition(span, name.text, value)]
-        return [Signals(span, (name.text,))]
+        # Of a message the formulas use fields, `req.value`, and those are the signals.
+        return [Signals(span, (name.text,))] if type_name.text in _TYPES else []
 
     def _assertion(self) -> Definition:
         start, name = self.token, None

@@ -101,11 +101,6 @@ class Times:
         end = "inf" if interval.end is None else self.text(interval.end, earlier)
         return f"[{start}, {end}]"
 
-    def prefix(self, end: Bound) -> str:
-        """`[0, end]`, less one step."""
-        start = "0 s" if self.unit else "0"
-        return f"[{start}, {self.text(end, 1)}]"
-
     def shift(self, expr: Expr) -> str:
         """How much later a sample is taken."""
         bound = Bound(expr, self.unit)

@@ -103,7 +103,7 @@ CASES = [
         "falcaun",
         "(signal(0) > 1) U (signal(1) > 2)",
         ["step 1 s", "signal signal0", "signal signal1",
-         "require: (signal1 > 2) or ((signal0 > 1) until (next (signal1 > 2)))"],
+         "require: ((signal0 > 1) or (signal1 > 2)) until (signal1 > 2)"],
     ),
     (
         "falcaun",
@@ -127,6 +127,17 @@ CASES = [
         "rtamt",
         "near = d <= 2; near >= 0.5",
         ["step 1 s", "signal d", "let near = d <= 2", "require: 2 - d >= 0.5"],
+    ),
+    (
+        "rtamt",
+        "from m.msg import Msg\ninput Msg req\n@ topic(req, m/req)\nout.value = F req.value >= 3",
+        ["step 1 s", "signal req_value", "require out_value: eventually (req_value >= 3)"],
+    ),
+    (
+        "breach",
+        "param a=1\np := x[t] > a\nparam a=1, b=2\nq := ev p and x[t] < a",
+        ["step 1 s", "param a = 1", "param b = 2", "signal x", "let p = x > a",
+         "require q: (eventually p) and x < a"],
     ),
     (
         "rtamt",

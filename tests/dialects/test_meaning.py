@@ -105,6 +105,9 @@ def test_random_formulas_agree_with_rtamt(formula: Formula, seed: int) -> None:
 
 
 WRITTEN = [
+    "always (p until q)",
+    "eventually (p until (q >= 1))",
+    "not (p until q)",
     "p - q + r",
     "p - q - r",
     "p / 2 * 4",
@@ -146,3 +149,13 @@ def test_written_formulas_agree_with_rtamt(text: str, whole: bool) -> None:
     expected = rtamt_robustness(text, used, imported.step)
     assert len(found.robustness) >= 20
     assert found.robustness == pytest.approx(expected[: len(found.robustness)], abs=1e-9)
+
+
+def test_unbounded_until_is_judged_up_to_the_last_sample() -> None:
+    text = "[] ((signal(0) > 2) || ((signal(0) < 2) U (signal(1) > 0)))"
+    signals = {"p": [3.0, 1.0, 1.0, 3.0], "q": [-1.0, -1.0, 1.0, -1.0], "r": [0.0] * 4}
+    (found,) = judge(text, "falcaun", signals)
+    assert found.satisfied.tolist() == [True] * 4
+    signals["p"][3] = 1.0
+    (found,) = judge(text, "falcaun", signals)
+    assert found.satisfied.tolist() == [False] * 4

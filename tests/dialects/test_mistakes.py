@@ -26,7 +26,6 @@ CASES = [
     ("breach", "a := x[t]^2 < 4", "E0903", "x[t]^2"),
     ("rtamt", "a + eventually[0,2] b >= 1", "E0904", "eventually[0,2] b >= 1"),
     ("rtamt", "(always a) iff b", "E0904", "(always a) iff b"),
-    ("rtamt", "Pose p; p.x >= 2", "E0904", "Pose"),
     ("breach", "a := x[2*t] > 1", "E0904", "2*t"),
     ("breach", "a := alw (x[t] > mod(c, 2))", "E0904", "mod(c, 2)"),
     ("breach", 'test go: "env", 3, true { }', "E0904", "test"),
