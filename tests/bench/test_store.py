@@ -1,0 +1,48 @@
+"""The store and the CSV keep every figure, once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from stlc.bench.store import Store
+from stlc.bench.table import read_csv, read_runs, to_csv
+from stlc.errors import OutputError, UsageError
+
+from .tiny import record
+
+
+def test_a_run_is_kept_once(tmp_path: Path) -> None:
+    store = Store(tmp_path / "new" / "runs.sqlite")
+    store.create()
+    run = record("p", "auto", 1.0, trace=((0.5, 1.0, 0.0, 3), (1.0, 1.0, 1.0, 4)))
+    store.add(run)
+    store.add(run)
+    store.create()
+    assert store.records() == (run,)
+    assert store.keys() == {run.key}
+    assert store.records(["other"]) == ()
+
+
+def test_csv_round_trip(tmp_path: Path) -> None:
+    runs = (record("p", "auto", 0.1 + 0.2), record("q", "a, b", None, message='say "no"\nmore'))
+    path = tmp_path / "runs.csv"
+    path.write_text(to_csv(runs))
+    assert read_csv(path) == runs
+    assert read_runs(path) == runs
+
+
+def test_other_files_are_told_apart(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="no store or table"):
+        read_runs(tmp_path / "nothing")
+    odd = tmp_path / "odd.csv"
+    odd.write_text("a,b\n1,2\n")
+    with pytest.raises(UsageError, match="no table of benchmark runs"):
+        read_runs(odd)
+    text = tmp_path / "text"
+    text.write_text("not a data base, but long enough to be taken for one" * 10)
+    with pytest.raises(UsageError, match="no store of benchmark runs"):
+        Store(text).create()
+    with pytest.raises(OutputError, match="cannot write"):
+        Store(odd / "runs.sqlite").create()
