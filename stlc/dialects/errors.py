@@ -130,14 +130,17 @@ class NotDefined(Warn):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OddGrouping(Warn):
-    """rtamt 0.4 lets + bind tighter than -, and * tighter than /.
+    """The other tool groups operators in a way that readers don't expect.
 
-    So it reads `a - b + c` as `a - (b + c)`. The import keeps rtamt's reading.
+    rtamt 0.4 lets + bind tighter than -, and * tighter than /: it reads `a - b + c` as
+    `a - (b + c)`. FalCAuN's unary operators bind more loosely than the binary ones: it reads
+    `[] p -> q` as `[] (p -> q)`. The import keeps the tool's reading.
     """
 
     code: ClassVar[str] = "W0903"
-    title: ClassVar[str] = "rtamt reads `{whole}` as `{reading}`"
-    label: ClassVar[str] = "taken together, as by rtamt"
+    title: ClassVar[str] = "{tool} reads `{whole}` as `{reading}`"
+    label: ClassVar[str] = "taken together, as by {tool}"
     help: ClassVar[str] = "write parentheses around what you mean"
+    tool: str
     whole: str
     reading: str

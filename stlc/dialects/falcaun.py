@@ -12,9 +12,11 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+from stlc.dialects.errors import OddGrouping
 from stlc.dialects.pratt import ARITHMETIC, SIGNS, Infix, Language, Parser, Prefix, compared
 from stlc.dialects.tokens import pattern
 from stlc.dialects.tree import Definition, Expr, Item, Sample
+from stlc.source import Span
 
 _ALWAYS, _EVENTUALLY = Prefix("always", 13, timed=12), Prefix("eventually", 13, timed=12)
 _SYMBOLS = (
@@ -61,6 +63,18 @@ class FalcaunParser(Parser):
         line = self.take().span.line
         while self.token.kind != "end" and self.token.span.line == line:
             self.take()
+
+    def notice_prefix(self, operator: Span, first: Span, arg: Expr) -> None:
+        """`[] p -> q` takes in the whole implication."""
+        text = " ".join(self.since(first).text.split())
+        word = " ".join(self.source.text[operator.start : first.start].split())
+        shown = text if len(text) <= 40 else f"{text[:40]} .."
+        self.warnings.append(
+            OddGrouping(
+                span=self.since(first), tool="FalCAuN",
+                whole=f"{word} {shown}", reading=f"{word} ({shown})",
+            )
+        )  # fmt: skip
 
     def special(self) -> Expr | None:
         """`signal(0)`, which is `output(0)`, and `input(0)`."""

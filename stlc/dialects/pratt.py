@@ -218,6 +218,9 @@ class Parser:
     def notice(self, operator: str, right: Binary) -> None:
         """Called where a binary operation without parentheses is the right side of another."""
 
+    def notice_prefix(self, operator: Span, first: Span, arg: Expr) -> None:
+        """Called where a logical operation without parentheses follows a unary operator."""
+
     def special(self) -> Expr | None:
         """What a language writes in its own way; None if nothing of that kind comes next."""
         return None
@@ -238,12 +241,20 @@ class Parser:
         if prefix.operator == "-":
             return _negative(self.expression(prefix.operand), start)
         if prefix.operator == "not":
-            arg = self.expression(prefix.operand)
+            arg = self._operand_of(start, prefix.operand)
             return Not(self.since(start), arg)
         interval = None if prefix.operator == "next" else self._interval()
         power = prefix.operand if interval is None or prefix.timed is None else prefix.timed
-        arg = self.expression(power)
+        arg = self._operand_of(start, power)
         return Temporal(self.since(start), prefix.operator, interval, arg)
+
+    def _operand_of(self, operator: Span, power: int) -> Expr:
+        first = self.token.span
+        arg = self.expression(power)
+        joined = isinstance(arg, Chain | Pair) or (isinstance(arg, Binary) and arg.is_logical)
+        if joined and arg.span.start == first.start:
+            self.notice_prefix(operator, first, arg)
+        return arg
 
     def _named(self) -> Expr:
         token = self.take()

@@ -83,7 +83,9 @@ class RtamtParser(Parser):
         if (operator, right.operator) in (("-", "+"), ("/", "*")):
             whole = f".. {operator} {right.span.text}"
             reading = f".. {operator} ({right.span.text})"
-            self.warnings.append(OddGrouping(span=right.span, whole=whole, reading=reading))
+            self.warnings.append(
+                OddGrouping(span=right.span, tool="rtamt", whole=whole, reading=reading)
+            )
 
     def skip(self) -> None:
         """Go on after the next `;`, or at the next line that starts a statement."""

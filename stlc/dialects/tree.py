@@ -98,6 +98,11 @@ class Binary:
     left: Expr
     right: Expr
 
+    @property
+    def is_logical(self) -> bool:
+        """Whether it joins formulas."""
+        return self.operator in ("implies", "iff", "xor")
+
 
 @dataclass(frozen=True, slots=True)
 class Bound:

@@ -179,3 +179,14 @@ def test_odd_grouping_of_rtamt_is_told() -> None:
     imported = import_text(Source("spec", "a - b + c >= 0; a - (b + c) >= 0"), "rtamt")
     assert [w.code for w in imported.warnings] == ["W0903"]
     assert imported.text.count("a - (b + c) >= 0") == 2
+
+
+def test_loose_unary_operators_of_falcaun_are_told() -> None:
+    imported = import_text(Source("spec", "alw (signal(0) < 1) -> X (signal(1) < 2)"), "falcaun")
+    assert [w.title_text for w in imported.warnings] == [
+        "FalCAuN reads `alw (signal(0) < 1) -> X (signal(1) < 2)` as "
+        "`alw ((signal(0) < 1) -> X (signal(1) < 2))`"
+    ]
+    assert "always (signal0 < 1 implies (next (signal1 < 2)))" in imported.text
+    quiet = import_text(Source("spec", "alw ((signal(0) < 1) -> X (signal(1) < 2))"), "falcaun")
+    assert quiet.warnings == ()
