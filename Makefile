@@ -37,7 +37,8 @@ format: $(STAMP) ## let ruff mend style and formatting
 	$(BIN)/ruff format .
 
 bench: $(STAMP) ## the benchmark suites that take minutes, with their report
-	$(BIN)/stlc bench --quick
+	$(BIN)/stlc bench --quick --store $(OUT)/bench.sqlite
+	$(BIN)/stlc bench report --store $(OUT)/bench.sqlite -o $(OUT)/bench.html --csv $(OUT)/bench.csv
 
 clean: ## remove what make made
 	rm -rf $(VENV) $(OUT)
