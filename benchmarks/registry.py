@@ -20,7 +20,7 @@ PAPER = Suite(
         Problem("two_agents_t4", "two_agents_t4.stl", quick=True),
         Problem("two_agents_t8", "two_agents_t8.stl", ("two_agents_t8_link_cost.csv",)),
     ),
-    ("auto", "literal-tight", "literal"),
+    ("auto", "auto:milp", "literal-tight:milp", "literal:milp"),
 )
 
 STLPY = Suite(
@@ -60,7 +60,7 @@ RADIO = Suite(
         for kind, name in enumerate(("cost", "rssi", "ber", "chance", "prr_cost"))
         for cells in (5, 10)
     ),
-    ("auto", "unary", "hull", "lifted", "logarithmic"),
+    ("auto", "unary:milp", "hull:milp", "lifted:milp", "logarithmic:milp"),
 )  # fmt: skip
 
 TEAMS = Suite(

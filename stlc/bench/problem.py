@@ -28,7 +28,8 @@ class Problem:
 class Suite:
     """Problems that are compared together; `encodings` are compared unless others are asked for.
 
-    The first encoding is the one that ratios are given against.
+    An encoding may name its strategy: "literal:milp". The first is the one that ratios are given
+    against.
     """
 
     name: str

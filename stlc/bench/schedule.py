@@ -14,6 +14,8 @@ from stlc.errors import UsageError
 from stlc.milp.encodings import compile_options
 from stlc.passes import PIPELINE
 
+STRATEGIES = ("auto", "milp")
+
 
 @dataclass(frozen=True, slots=True)
 class Choice:
@@ -79,22 +81,32 @@ def _jobs(
 
 
 def configs(encodings: Iterable[str], choice: Choice) -> tuple[Config, ...]:
-    """Every combination. '+' joins the kinds of one encoding: 'stl=log+link=hull'."""
+    """Every combination. '+' joins the kinds of one encoding: 'stl=log+link=hull'; what comes
+    after ':' is a strategy for this encoding alone: 'literal:milp'."""
     from stlc import backends
 
     for backend in choice.backends:
         if (why := backends.get(backend).available()) is not None:
             raise UsageError(f"backend {backend}: {why}")
     found = tuple(
-        Config(encoding.replace("+", ","), backend, disabled, strategy)
+        Config(name, backend, disabled, strategy)
         for encoding in encodings
         for disabled in ablations(choice.passes)
-        for strategy in choice.strategies
+        for name, strategy in _strategies(encoding, choice.strategies)
         for backend in choice.backends
     )
     for config in found:
         compile_options(config.encoding, config.disabled)
     return found
+
+
+def _strategies(encoding: str, common: Iterable[str]) -> list[tuple[str, str]]:
+    name, _, own = encoding.partition(":")
+    chosen = (own,) if own else tuple(common)
+    for strategy in chosen:
+        if strategy not in STRATEGIES:
+            raise UsageError(f"there is no strategy '{strategy}'; known: {', '.join(STRATEGIES)}")
+    return [(name.replace("+", ","), strategy) for strategy in chosen]
 
 
 def ablations(words: Iterable[str]) -> tuple[tuple[str, ...], ...]:

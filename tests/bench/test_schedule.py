@@ -57,6 +57,10 @@ def test_ablations() -> None:
 def test_configurations_are_checked_before_anything_runs() -> None:
     (one,) = configs(("stl=log+link=hull",), Choice(strategies=("milp",)))
     assert one.label == "stl=log,link=hull, milp"
+    (own,) = configs(("literal:milp",), Choice(strategies=("auto",)))
+    assert (own.encoding, own.strategy) == ("literal", "milp")
+    with pytest.raises(UsageError, match="no strategy 'luck'"):
+        configs(("auto:luck",), Choice())
     with pytest.raises(UsageError, match="nonsense"):
         configs(("nonsense",), Choice())
 
