@@ -40,7 +40,7 @@ def _words(ctx: click.Context, param: click.Parameter, value: str) -> tuple[str,
 @bench_command.command("run", options_metavar="[OPTIONS]")
 @click.argument("suites", nargs=-1, metavar="[SUITE]...")
 @click.option("--encodings", callback=_words, default="", metavar="A,B+C",
-              help="Instead of each suite's: auto, literal:milp, stl=log+link=hull, ...")  # fmt: skip
+              help="Instead of each suite's: auto, literal:milp, stl=log+link=hull")  # fmt: skip
 @click.option("--backends", callback=_words, default="highs", show_default=True, metavar="A,B")
 @click.option("--passes", callback=_words, default="all", show_default=True, metavar="A,B",
               help="all, none, no-X, no-X+Y, or 'each': all, then without each one.")  # fmt: skip
