@@ -16,12 +16,14 @@ from stlc.dialects.breach import BreachParser
 from stlc.dialects.errors import ImportFailure
 from stlc.dialects.falcaun import FalcaunParser
 from stlc.dialects.rtamt import RtamtParser
-from stlc.dialects.scope import Dialect, survey
+from stlc.dialects.scope import Dialect
+from stlc.dialects.survey import survey
 from stlc.dialects.tokens import Token
 from stlc.dialects.tree import Item
 from stlc.dialects.write import check_result, write
 from stlc.errors import MissionError
 from stlc.source import Source
+from stlc.syntax.screen import oversized
 
 
 class _Reader(Protocol):
@@ -61,6 +63,9 @@ def import_text(source: Source, dialect: str, step: Fraction | None = None) -> I
     1 s. Raises MissionError with every mistake that was found.
     """
     rules, reader = _DIALECTS[dialect]
+    too_large = oversized(source)
+    if too_large is not None:
+        raise MissionError([too_large])
     items, found = _read(source, reader)
     if any(d.severity is Severity.ERROR for d in found):
         raise MissionError([d for d in found if d.severity is Severity.ERROR])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from stlc.diagnostics import Diagnostic, Warn
@@ -16,7 +15,6 @@ class ImportFailure(Exception):
         super().__init__(str(diagnostic))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class DialectSyntax(Diagnostic):
     """The text doesn't follow the other tool's grammar at this place."""
 
@@ -29,7 +27,6 @@ class DialectSyntax(Diagnostic):
     advice: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class DialectPast(Diagnostic):
     """A past operator: requirements of a mission look from now on into the future.
 
@@ -45,7 +42,6 @@ class DialectPast(Diagnostic):
     advice: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class DialectNonlinear(Diagnostic):
     """A predicate must be piecewise linear in the signals.
 
@@ -60,7 +56,6 @@ class DialectNonlinear(Diagnostic):
     what: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class DialectUnsupported(Diagnostic):
     """Something of the other tool's language that has no counterpart here."""
 
@@ -72,7 +67,6 @@ class DialectUnsupported(Diagnostic):
     advice: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class DialectTime(Diagnostic):
     """A time that isn't a whole number of steps, is negative, or an interval that is reversed.
 
@@ -89,7 +83,6 @@ class DialectTime(Diagnostic):
     advice: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NoMeaning(Diagnostic):
     """The imported formula is refused by the checks that every file here goes through."""
 
@@ -101,7 +94,6 @@ class NoMeaning(Diagnostic):
     advice: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NoValue(Warn):
     """A parameter to which the file gives no value.
 
@@ -117,7 +109,6 @@ class NoValue(Warn):
     value: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NotDefined(Warn):
     """A formula is used that the file doesn't define; its robustness is to be recorded."""
 
@@ -128,7 +119,6 @@ class NotDefined(Warn):
     name: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class OddGrouping(Warn):
     """The other tool groups operators in a way that readers don't expect.
 

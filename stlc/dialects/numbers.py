@@ -23,6 +23,7 @@ from stlc.dialects.tree import (
 from stlc.source import Span
 
 SUM, PRODUCT, ATOM = 1, 2, 3
+MOST_TEXT = 20_000
 _OF_SIGNALS = ("abs", "min", "max")
 _OF_CONSTANTS = {"sqrt": "sqrt", "exp": "exp", "log": "log", "ln": "log", "log10": "log10",
                  "sin": "sin", "cos": "cos", "tan": "tan", "floor": "floor",
@@ -85,7 +86,15 @@ class Numbers:
         if kind is Kind.NUMBER:
             return Number(self.scope.emitted[target], varies=True)
         self._only_where_formulas_are_numbers(name.span)
-        return Numbers(self.scope, self.times, target).number(self.scope.definitions[target].body)
+        body = self.scope.definitions[target].body
+        number = Numbers(self.scope, self.times, target).number(body)
+        if len(number.text) > MOST_TEXT:
+            what = (
+                f"`{name.text}` as a number: its text would be longer than {MOST_TEXT} characters"
+            )
+            advice = "compare a signal with the number instead of a formula"
+            raise ImportFailure(DialectUnsupported(span=name.span, what=what, advice=advice))
+        return number
 
     def _arithmetic(self, expr: Binary) -> Number:
         left, right = self.number(expr.left), self.number(expr.right)

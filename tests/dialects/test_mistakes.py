@@ -115,3 +115,17 @@ def test_long_conjunctions_are_read(dialect: str) -> None:
     word = "&&" if dialect == "falcaun" else "and"
     text = import_text(Source("spec", f" {word} ".join([atom] * 300)), dialect).text
     assert text.count(" > 1") == 300
+
+
+@pytest.mark.parametrize("dialect", DIALECTS)
+def test_endless_lines_are_refused(dialect: str) -> None:
+    with pytest.raises(MissionError) as caught:
+        import_text(Source("spec", "(" * 2_000_000), dialect)
+    assert caught.value.diagnostics[0].code == "E0113"
+
+
+def test_formulas_as_numbers_do_not_grow_without_bound() -> None:
+    lines = ["c0 = x >= 1;", *(f"c{k} = c{k - 1} and c{k - 1};" for k in range(1, 40))]
+    with pytest.raises(MissionError) as caught:
+        import_text(Source("spec", "\n".join([*lines, "c39 >= 2;"])), "rtamt")
+    assert [d.code for d in caught.value.diagnostics] == ["E0904"]
