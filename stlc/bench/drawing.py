@@ -97,7 +97,12 @@ def _plain_ticks(ax: Any, values: Sequence[float]) -> None:
 
 def _finish(fig: Any, ax: Any) -> str:
     import matplotlib as mpl
+    from matplotlib.ticker import LogFormatter, LogLocator
 
+    for axis in (ax.xaxis, ax.yaxis):
+        if isinstance(axis.get_major_locator(), LogLocator):
+            axis.set_major_formatter(LogFormatter())
+            axis.set_minor_formatter(LogFormatter(minor_thresholds=(1.5, 0.5)))
     if ax.get_legend_handles_labels()[1]:
         ax.legend(loc="best")
     out = io.StringIO()

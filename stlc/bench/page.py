@@ -95,7 +95,7 @@ def _nav(tables: Sequence[Table], compared: bool) -> str:
 def _changes(name: str, changes: Sequence[Change]) -> str:
     bad = [c for c in changes if c.kind in ("disagreement", "regression")]
     mood = "alarm" if bad else "calm"
-    count = f"{len(bad)} regressions" if bad else "No regression"
+    count = f"{len(bad)} regression{'s' * (len(bad) > 1)}" if bad else "No regression"
     rows = [
         [Cell(c.kind, css="bad" if c in bad else ""), Cell(c.suite), Cell(c.problem),
          Cell(c.label), Cell(c.text), number(c.ratio, ".2f")]
@@ -128,7 +128,8 @@ def _agreement(one: Table) -> str:
     several = sum(
         sum(group.status == "optimal" for group in row.values()) > 1 for row in one.rows.values()
     )
-    text = f"All proven optima agree ({several} problems were solved in several ways)."
+    count = "1 problem was" if several == 1 else f"{several} problems were"
+    text = f"All proven optima agree ({count} solved in several ways)."
     return f'<div class="card calm"><h3>{text}</h3></div>' if several else ""
 
 

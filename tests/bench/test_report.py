@@ -82,7 +82,7 @@ def test_report_against_an_older_csv(tmp_path: Path) -> None:
     said = _call("report", "--store", str(tmp_path / "new.sqlite"), "--against", str(csv),
                  "-o", str(html)).output  # fmt: skip
     assert "regression   tiny/p, auto: 1.00 s became 5.00 s (noise 25%)" in said
-    assert "1 regressions beyond the noise" in html.read_text()
+    assert "1 regression beyond the noise" in html.read_text()
 
 
 def test_list_and_wrong_words(tmp_path: Path) -> None:
