@@ -14,16 +14,23 @@ share their directions, as the faces of boxes do, it is the convex hull projecte
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from stlc.ir.nodes import Linear, Node, Signal
+from stlc.errors import UsageError
+from stlc.ir.nodes import Linear, Node, Role, Signal
+from stlc.milp.bounds import value_range
 from stlc.milp.builder import ModelBuilder
+from stlc.milp.context import Context
+from stlc.milp.goals import Goal, Level
 from stlc.milp.model import Floats, Ints
 
 Terms = tuple[tuple[Signal, float], ...]
+
+_LARGEST_M = 1e6
+_TINY = 1e-7  # coefficients below a solver's tolerance only harm
 
 
 @dataclass(slots=True)
@@ -32,6 +39,15 @@ class Alternative:
 
     atoms: dict[Linear, None] = field(default_factory=dict)
     others: dict[Node, None] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Direction:
+    """The expression a'x, less s rho where a robustness column has to be reached."""
+
+    terms: Terms
+    unit: str
+    goal: Goal | None
 
 
 @dataclass(slots=True)
@@ -66,3 +82,86 @@ class RowBlock:
                 np.array(self.upper),
                 count=len(self.lower),
             )
+
+
+@dataclass(slots=True)
+class Faces:
+    """Predicates of one requirement as directions and demands; what encodings write rows with."""
+
+    ctx: Context
+    rho: Mapping[Goal, int]
+    level: Level
+    rows: RowBlock = field(default_factory=RowBlock)
+    _least: dict[Direction, float] = field(default_factory=dict)
+
+    def demands(self, predicates: Iterable[Linear]) -> dict[Direction, float]:
+        """v for each direction: the predicates hold at their level where a'x - s rho >= v."""
+        found: dict[Direction, float] = {}
+        for p in predicates:
+            asks: list[tuple[Goal | None, float]] = [(g, -p.constant) for g in self.level.goals]
+            if self.level.needs_margin(p.unit):
+                asks.append((None, self.level.margin - p.constant))
+            for goal, demand in asks:
+                direction = Direction(p.terms, p.unit, goal)
+                found[direction] = max(found.get(direction, -np.inf), demand)
+        return found
+
+    def expression(self, direction: Direction) -> tuple[list[int], list[float]]:
+        """Columns and coefficients of a'x - s rho."""
+        cols = [self.column(signal) for signal, _ in direction.terms]
+        values = [value for _, value in direction.terms]
+        if direction.goal is not None:
+            cols.append(self.rho[direction.goal])
+            values.append(-direction.goal.scale(direction.unit))
+        return cols, values
+
+    def least(self, direction: Direction) -> float:
+        """w: the least value of the expression over the ranges."""
+        if direction not in self._least:
+            goal = direction.goal
+            low = value_range(Linear(direction.terms, 0.0), self.ctx.ranges)[0]
+            self._least[direction] = low - (
+                0.0 if goal is None else goal.scale(direction.unit) * goal.high
+            )
+        return self._least[direction]
+
+    def hold(self, predicates: Iterable[Linear]) -> None:
+        """The predicates hold."""
+        for direction, demand in self.demands(predicates).items():
+            self.rows.add(*self.expression(direction), demand)
+
+    def shared(self, literals: Sequence[int], predicates: Sequence[Iterable[Linear]]) -> None:
+        """Alternative i holds where literal i is 1, one row for each direction.
+
+        The literals exclude one another; a single one gives the big-M rows of that literal.
+        """
+        groups: dict[Direction, dict[int, float]] = {}
+        for column, own in zip(literals, predicates, strict=True):
+            for direction, demand in self.demands(own).items():
+                groups.setdefault(direction, {})[int(column)] = demand
+        for direction, demanded in groups.items():
+            least = self.least(direction)
+            binding = {z: v for z, v in demanded.items() if v > least + _TINY}
+            if not binding:
+                continue
+            self.check_size(max(binding.values()) - least, direction.terms)
+            cols, values = self.expression(direction)
+            values += [least - v for v in binding.values()]
+            self.rows.add([*cols, *binding], values, least)
+
+    def check_size(self, big: float, terms: Terms) -> None:
+        """UsageError where a predicate's range is too wide for a solver's arithmetic."""
+        if big >= _LARGEST_M or not np.isfinite(big):
+            names = ", ".join(f"{s.owner}.{s.role.value}[{s.index}]" for s, _ in terms)
+            raise UsageError(
+                f"a predicate over {names} ranges over {big:.3g}: declare bounds for these signals"
+            )
+
+    def column(self, signal: Signal) -> int:
+        """Column of a signal."""
+        block = self.ctx.states if signal.role is Role.STATE else self.ctx.inputs
+        return int(block[signal.owner][signal.shift, signal.index])
+
+    def interval(self, signal: Signal) -> tuple[float, float]:
+        """Range of a signal."""
+        return value_range(Linear(((signal, 1.0),), 0.0), self.ctx.ranges)

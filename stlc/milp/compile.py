@@ -101,10 +101,10 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     add_agents(ctx)
     goals = program.known_goals()
     rho = {goal: _add_goal(ctx, goal) for goal in goals}
-    encoded = _add_requirements(ctx, program, goals, rho, tables, options)
+    encoded, notes = _add_requirements(ctx, program, goals, rho, tables, options)
     if "stages" not in options.disabled_passes:
         _add_stages(ctx, program, encoded)
-    notes = add_objective(ctx, tables, options.link)
+    notes += add_objective(ctx, tables, options.link)
     model = ctx.builder.build()
     stats = CompileStats(sizes(model), passes, time.perf_counter() - began, notes)
     robustness = {g.requirement: (rho[g], g.low, g.high) for g in goals}
@@ -129,7 +129,7 @@ def _add_requirements(
     rho: Mapping[Goal, int],
     tables: LinkTables,
     options: CompileOptions,
-) -> tuple[Encoded, ...]:
+) -> tuple[tuple[Encoded, ...], tuple[str, ...]]:
     encoder = FormulaEncoder(
         ctx, rho, LinkEncoder(ctx, tables, rho, options.link), selector_named(options.stl)
     )
@@ -137,7 +137,8 @@ def _add_requirements(
     for requirement in program.requirements:
         ctx.builder.origin = Origin(f"require {requirement.name}", requirement.span)
         found.append(encoder.require(requirement, level_of(requirement, goals)))
-    return tuple(found)
+    notes = tuple(f"{n} formula choices: {why}" for why, n in encoder.reasons.items())
+    return tuple(found), notes
 
 
 def _add_stages(ctx: Context, program: Program, encoded: tuple[Encoded, ...]) -> None:

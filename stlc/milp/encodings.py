@@ -4,15 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from importlib.metadata import entry_points
 
 from stlc.errors import UsageError
 from stlc.milp.compile import CompileOptions
-from stlc.milp.selectors import Selector
+from stlc.milp.selectors import ENTRY_POINTS, SELECTORS, selector_named
 from stlc.milp.tables.registry import ENCODINGS, encoding_named
 
 _STL = {
-    "auto": "chosen by structure",
-    **{s.value: (s.__doc__ or "") for s in Selector},
+    "auto": "Chosen for each disjunction by its structure.",
+    "onehot": "A binary for each alternative, shared-face rows.",
+    "unary": "Ordered binaries: branching splits alternatives into before and after.",
+    "log": "Logarithmically many binaries (Gray code).",
+    "bigm": "A binary and big-M rows for each alternative: the textbook, for comparison.",
+    "hull": "Convex hull by copies of the variables (Balas).",
 }
 
 
@@ -30,6 +35,7 @@ def parse_encoding(text: str) -> tuple[str, str]:
             chosen[kind] = name
         else:
             _place(item, chosen)
+    selector_named(chosen["stl"])
     if chosen["link"] != "auto":
         encoding_named(chosen["link"])
     return chosen["stl"], chosen["link"]
@@ -55,20 +61,32 @@ def encoding_label(options: CompileOptions | None) -> str:
 
 
 def _place(name: str, chosen: dict[str, str]) -> None:
+    """Put a bare name where it is known; a package's encoding says its kind itself."""
     if name == "auto":
         return
-    if name in _STL:
+    offered = _offered()
+    if name in SELECTORS or offered.get(name) == "stl":
         chosen["stl"] = name
-    if name in ENCODINGS or name not in _STL:
+    if name in ENCODINGS or (name not in SELECTORS and offered.get(name) != "stl"):
         encoding_named(name)  # UsageError for an unknown one
         chosen["link"] = name
+
+
+def _offered() -> dict[str, str]:
+    """Kind ("stl" or "link") of every encoding that an installed package offers."""
+    points = entry_points(group=ENTRY_POINTS)
+    return {e.name: getattr(e.load(), "kind", "link") for e in points}
 
 
 def describe_encodings() -> list[dict[str, str]]:
     """Kind, name and one line for each encoding."""
     formulas = [{"kind": "stl", "name": n, "summary": s} for n, s in _STL.items()]
     tables = [{"kind": "link", "name": n, "summary": _first_line(e)} for n, e in ENCODINGS.items()]
-    return formulas + tables
+    others = [
+        {"kind": kind, "name": n, "summary": "From an installed package."}
+        for n, kind in _offered().items()
+    ]
+    return formulas + tables + others
 
 
 def _first_line(thing: object) -> str:

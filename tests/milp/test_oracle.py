@@ -14,7 +14,7 @@ from stlc.backends import get
 from stlc.backends.base import SolveOptions, Status
 from stlc.errors import InfeasibleError, UsageError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
-from stlc.milp.selectors import Selector
+from stlc.milp.selectors import SELECTORS
 from stlc.milp.start import find_start
 from stlc.mission import Mission, ObjectiveTerm, Requirement, TermKind
 from stlc.passes import PIPELINE
@@ -48,7 +48,7 @@ def worlds(draw: st.DrawFn, objective: tuple[ObjectiveTerm, ...]) -> Mission:
 def options(draw: st.DrawFn) -> CompileOptions:
     """Any selector, any passes switched off."""
     off = draw(st.sets(st.sampled_from(OPTIONAL)))
-    return CompileOptions(draw(st.sampled_from(["auto", *(s.value for s in Selector)])),
+    return CompileOptions(draw(st.sampled_from(["auto", *SELECTORS])),
                           disabled_passes=frozenset(off))  # fmt: skip
 
 
