@@ -6,10 +6,10 @@ its own fields), and its docstring is the long text of `stlc check --explain COD
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
 from enum import Enum
 from typing import Any, ClassVar
 
+from stlc.record import NamedRecord, Record
 from stlc.source import Span
 
 
@@ -20,24 +20,21 @@ class Severity(Enum):
     WARNING = "warning"
 
 
-@dataclass(frozen=True, slots=True)
-class Note:
+class Note(Record):
     """A further remark, at a place of its own or at none."""
 
     text: str
     span: Span | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Fix:
+class Fix(Record):
     """A replacement that would mend the mistake."""
 
     span: Span
     replacement: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Diagnostic:
+class Diagnostic(NamedRecord):
     """Base of all diagnostics."""
 
     code: ClassVar[str]
@@ -51,7 +48,9 @@ class Diagnostic:
     fix: Fix | None = None
 
     def _fill(self, template: str) -> str:
-        values: dict[str, Any] = {f.name: getattr(self, f.name) for f in fields(self)}
+        values: dict[str, Any] = {
+            name: getattr(self, name) for name in type(self).record_fields
+        }
         return template.format(**values)
 
     @property
@@ -74,7 +73,6 @@ class Diagnostic:
         return f"{place}{self.severity.value}[{self.code}]: {self.title_text}"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Warn(Diagnostic):
     """Base of the diagnostics that don't stop the work."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -16,8 +15,9 @@ if TYPE_CHECKING:
     from stlc.mission import Mission
     from stlc.solve.explain import Conflict
 
+_GRACE = 0.4  # s that a solver may overrun its limit, or Ctrl-C, before it is left behind
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+
 class ConflictingClauses(Diagnostic):
     """No plan exists because these clauses cannot hold together.
 
@@ -59,7 +59,7 @@ def explain_mission(mission: Mission, backend: str, time_limit: float) -> int:
     """Print the conflict; the exit status of `stlc explain`."""
     from stlc.solve.explain import Verdict, explain
 
-    result = explain(mission, backend=backend, time_limit=time_limit)
+    result = explain(mission, backend=backend, time_limit=time_limit, grace=_GRACE)
     if not isinstance(result, Verdict):
         show_diagnostics([_diagnostic(result)])
         return InfeasibleError.exit_status
@@ -69,13 +69,25 @@ def explain_mission(mission: Mission, backend: str, time_limit: float) -> int:
     raise NoPlanError(f"not decided within {time_limit:g} s")
 
 
+def show_conflict(mission: Mission, backend: str, seconds: float) -> None:
+    """Print what conflicts in a mission that is proven infeasible, as found within `seconds`."""
+    from stlc.solve.explain import Verdict, explain
+
+    limit = seconds / 4
+    result = explain(
+        mission, backend=backend, time_limit=limit, total=seconds, proven=True, grace=_GRACE
+    )
+    if not isinstance(result, Verdict):
+        show_diagnostics([_diagnostic(result)])
+
+
 def _diagnostic(conflict: Conflict) -> Diagnostic:
     clauses = list(zip(conflict.clauses, conflict.spans, strict=True))
     several = len(clauses) > 1
     remarks = [Note(f"with this: `{c.name}`", span) for c, span in clauses[1:]]
     if not conflict.minimal:
         remarks.append(Note("the set may not be minimal: some proofs hit the time limit"))
-    remarks.append(Note(f"proven by {conflict.confirmation}"))
+    remarks.append(Note(conflict.confirmation))
     return ConflictingClauses(
         span=clauses[0][1],
         what=f"these {len(clauses)} clauses" if several else f"`{clauses[0][0].name}`",

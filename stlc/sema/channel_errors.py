@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from stlc.diagnostics import Diagnostic
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class MissingChannelValue(Diagnostic):
     """A channel lacks a value that the mission's use of it needs.
 
@@ -27,7 +25,6 @@ class MissingChannelValue(Diagnostic):
     usage: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class BadChannel(Diagnostic):
     """The values of a channel don't go together."""
 
@@ -40,7 +37,6 @@ class BadChannel(Diagnostic):
     hint: str = "see the channel section of the language guide"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class RayleighWithFading(Diagnostic):
     """A Rayleigh-averaged modulation is combined with a fading variance.
 
@@ -56,7 +52,6 @@ class RayleighWithFading(Diagnostic):
     plain: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class WhichChannel(Diagnostic):
     """A link predicate or cost doesn't say which channel it means, and it isn't clear.
 
@@ -71,7 +66,6 @@ class WhichChannel(Diagnostic):
     hint: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class BadProbability(Diagnostic):
     """A chance must lie strictly between 0 and 1."""
 
@@ -82,7 +76,6 @@ class BadProbability(Diagnostic):
     value: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class BadLink(Diagnostic):
     """A link predicate is used in a way that has no linear meaning.
 
@@ -98,7 +91,6 @@ class BadLink(Diagnostic):
     hint: str = "compare each link quality with a constant and join them by `and`, `or`"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class BadData(Diagnostic):
     """A data file that a channel names can't be used."""
 
@@ -111,7 +103,6 @@ class BadData(Diagnostic):
     hint: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class TableOnly(Diagnostic):
     """A channel that is given by tables of costs has no strength, SNR or error rate."""
 

@@ -19,6 +19,7 @@ from stlc.ir.nodes import (
     Release,
     Until,
 )
+from stlc.record import changed
 from stlc.sema import clock, links
 from stlc.sema.compare import Operator, at_least_zero, compare, is_integer
 from stlc.sema.membership import membership
@@ -189,7 +190,7 @@ def _level_advice(diagnostic: Diagnostic, spans: tuple[Span, Span]) -> Diagnosti
         text = place.text.strip()
         if text.endswith("dB"):
             hint = f"did you mean `{text}m`?"
-            return replace(diagnostic, hint=hint, fix=Fix(place, f"{text}m"))
+            return changed(diagnostic, hint=hint, fix=Fix(place, f"{text}m"))
     return diagnostic
 
 

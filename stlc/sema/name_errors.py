@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from stlc.diagnostics import Diagnostic
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class UnknownName(Diagnostic):
     """A name is used that nothing in the mission declares.
 
@@ -25,7 +23,6 @@ class UnknownName(Diagnostic):
     hint: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Redeclared(Diagnostic):
     """Two declarations, or two requirements, have the same name.
 
@@ -40,7 +37,6 @@ class Redeclared(Diagnostic):
     name: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class WrongKind(Diagnostic):
     """Something stands where something of another kind is needed.
 
@@ -56,7 +52,6 @@ class WrongKind(Diagnostic):
     hint: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class WrongArity(Diagnostic):
     """A function or a `let` is used with the wrong number of arguments."""
 
@@ -70,7 +65,6 @@ class WrongArity(Diagnostic):
     usage: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class RecursiveLet(Diagnostic):
     """A `let` or a `param` is defined through itself.
 
@@ -85,7 +79,6 @@ class RecursiveLet(Diagnostic):
     name: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class UnknownMember(Diagnostic):
     """A signal or property that the thing doesn't have.
 
@@ -102,7 +95,6 @@ class UnknownMember(Diagnostic):
     hint: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class UnknownProperty(Diagnostic):
     """A block has a property that its kind doesn't know."""
 
@@ -115,7 +107,6 @@ class UnknownProperty(Diagnostic):
     hint: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class BadProperty(Diagnostic):
     """The value of a property doesn't have the form that the property needs."""
 
@@ -128,7 +119,6 @@ class BadProperty(Diagnostic):
     usage: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Nonlinear(Diagnostic):
     """A predicate isn't (piecewise) linear, and a MILP can't hold it exactly.
 
@@ -145,7 +135,6 @@ class Nonlinear(Diagnostic):
     hint: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NotNegatable(Diagnostic):
     """A `swept` condition stands under a negation.
 
@@ -159,7 +148,6 @@ class NotNegatable(Diagnostic):
     help: ClassVar[str] = "leave out `swept` here: the condition is then judged at the steps"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class TooDeep(Diagnostic):
     """An expression is nested more deeply than any mission needs."""
 
@@ -170,7 +158,6 @@ class TooDeep(Diagnostic):
     limit: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class TooManyPieces(Diagnostic):
     """A piecewise-linear comparison, or a quantifier, expands to too many parts.
 
@@ -185,7 +172,6 @@ class TooManyPieces(Diagnostic):
     limit: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NoPosition(Diagnostic):
     """An agent without a position is used where a position is needed.
 
@@ -200,7 +186,6 @@ class NoPosition(Diagnostic):
     name: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class CannotRead(Diagnostic):
     """A file that the mission names can't be read.
 
@@ -216,7 +201,6 @@ class CannotRead(Diagnostic):
     hint: str = "check the name; paths are relative to the file that names them"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class ImportCycle(Diagnostic):
     """Files import one another in a circle."""
 
@@ -227,7 +211,6 @@ class ImportCycle(Diagnostic):
     path: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NotHere(Diagnostic):
     """A statement stands in a place where it has no meaning, or stands there twice."""
 
@@ -239,7 +222,6 @@ class NotHere(Diagnostic):
     hint: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class DivisionByZero(Diagnostic):
     """A constant is divided by zero, or grows beyond what a number can hold."""
 
@@ -249,7 +231,6 @@ class DivisionByZero(Diagnostic):
     help: ClassVar[str] = "check the parameters it uses"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class UnknownOverride(Diagnostic):
     """`-D name=value` names a parameter that the mission doesn't declare."""
 
@@ -260,7 +241,6 @@ class UnknownOverride(Diagnostic):
     hint: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class BadOverride(Diagnostic):
     """`-D name=value` needs a number, with or without a unit."""
 
@@ -271,7 +251,6 @@ class BadOverride(Diagnostic):
     value: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class EmptyDomain(Diagnostic):
     """A quantifier ranges over nothing, or over something that has no members.
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from stlc.diagnostics import Diagnostic
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class BadObjective(Diagnostic):
     """The objective isn't a weighted sum of costs.
 
@@ -25,7 +23,6 @@ class BadObjective(Diagnostic):
     hint: str = "write a sum such as `0.1 * effort + 0.9 * link_cost(radio)`"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class MixedRobustness(Diagnostic):
     """Robustness is maximised over requirements in different units.
 
@@ -41,7 +38,6 @@ class MixedRobustness(Diagnostic):
     usage: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NegativeWeight(Diagnostic):
     """A cost has a negative weight, or robustness is minimised: the optimum would be unbounded.
 
@@ -58,7 +54,6 @@ class NegativeWeight(Diagnostic):
     hint: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NoTime(Diagnostic):
     """An objective's window holds no step of the mission."""
 
@@ -71,7 +66,6 @@ class NoTime(Diagnostic):
     horizon: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NeverTrue(Diagnostic):
     """A requirement can't hold, whatever the agents do: bounds alone exclude it.
 

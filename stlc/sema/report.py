@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 
 from stlc.diagnostics import Diagnostic, Fix, Note, Severity
+from stlc.record import changed
 from stlc.source import Span
 
 
@@ -68,7 +69,7 @@ def with_note(diagnostic: Diagnostic, text: str, span: Span | None) -> Diagnosti
     """The diagnostic with one more note, unless that place is its own."""
     if span is not None and diagnostic.span == span:
         return diagnostic
-    return replace(diagnostic, notes=(*diagnostic.notes, Note(text, span)))
+    return changed(diagnostic, notes=(*diagnostic.notes, Note(text, span)))
 
 
 def nearest(name: str, known: Iterator[str] | list[str] | tuple[str, ...]) -> str | None:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from stlc.diagnostics import Diagnostic
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class BadPolygon(Diagnostic):
     """A polygon that isn't one: fewer than three corners, no area, or edges that cross."""
 
@@ -19,7 +17,6 @@ class BadPolygon(Diagnostic):
     problem: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class EmptyBox(Diagnostic):
     """A box whose lower end isn't below its upper end."""
 
@@ -32,7 +29,6 @@ class EmptyBox(Diagnostic):
     high: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NotConvex(Diagnostic):
     """The workspace must be one convex polygon.
 
@@ -46,7 +42,6 @@ class NotConvex(Diagnostic):
     help: ClassVar[str] = "use its convex hull, and an obstacle for each part cut out"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class OutsideWorkspace(Diagnostic):
     """A region or a station lies wholly outside the workspace, where no agent can ever be."""
 
@@ -58,7 +53,6 @@ class OutsideWorkspace(Diagnostic):
     name: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class StartMisplaced(Diagnostic):
     """An agent's start is outside the workspace or outside its own bounds."""
 
@@ -70,7 +64,6 @@ class StartMisplaced(Diagnostic):
     problem: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class StartInObstacle(Diagnostic):
     """An agent starts inside an obstacle (inflated as declared) that it must avoid from step 0."""
 
@@ -82,7 +75,6 @@ class StartInObstacle(Diagnostic):
     obstacle: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class MissingStart(Diagnostic):
     """An agent has no `start`."""
 
@@ -94,7 +86,6 @@ class MissingStart(Diagnostic):
     usage: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class MatrixShape(Diagnostic):
     """A matrix or vector has the wrong number of rows or columns.
 
@@ -111,7 +102,6 @@ class MatrixShape(Diagnostic):
     hint: str = "with n states and m inputs A is n x n, B is n x m, c has n entries"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class MissingMatrix(Diagnostic):
     """Dynamics give neither a known kind nor the matrices A and B."""
 
@@ -125,7 +115,6 @@ class MissingMatrix(Diagnostic):
     matrix: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class EmptyBound(Diagnostic):
     """A bound leaves no value: its lower end is above its upper end, or a limit is negative."""
 
@@ -137,7 +126,6 @@ class EmptyBound(Diagnostic):
     hint: str = "the lower end must not be above the upper end"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class BadGeoJson(Diagnostic):
     """A GeoJSON file has no polygon that can be used.
 
@@ -154,7 +142,6 @@ class BadGeoJson(Diagnostic):
     hint: str = "the file needs a Polygon or MultiPolygon with coordinates in metres"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NoSwept(Diagnostic):
     """`swept` is asked of an agent or a pair whose motion between steps isn't known."""
 
@@ -165,7 +152,6 @@ class NoSwept(Diagnostic):
     problem: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class FrozenAtStart(Diagnostic):
     """With `turn_rate literal` an agent that starts at rest can never move.
 
@@ -180,7 +166,6 @@ class FrozenAtStart(Diagnostic):
     name: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class TurnRateNeeds(Diagnostic):
     """`turn_rate` needs a velocity, a speed limit and an input limit, and two inputs."""
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from stlc.diagnostics import Diagnostic
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NotWholeSteps(Diagnostic):
     """A time isn't a whole number of steps. It is never rounded silently."""
 
@@ -22,7 +20,6 @@ class NotWholeSteps(Diagnostic):
     above: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class ReversedInterval(Diagnostic):
     """An interval ends before it begins."""
 
@@ -34,7 +31,6 @@ class ReversedInterval(Diagnostic):
     end: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NegativeTime(Diagnostic):
     """A time is negative. Formulas look from the present step into the future."""
 
@@ -44,7 +40,6 @@ class NegativeTime(Diagnostic):
     help: ClassVar[str] = "start at 0; for something earlier, state the earlier event first"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class PastHorizon(Diagnostic):
     """A bounded operator looks past the end of the mission.
 
@@ -60,7 +55,6 @@ class PastHorizon(Diagnostic):
     horizon: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NoHorizon(Diagnostic):
     """Nothing says how long the mission is.
 
@@ -74,7 +68,6 @@ class NoHorizon(Diagnostic):
     help: ClassVar[str] = "add a line such as `horizon 20`, or give an interval"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class BadStep(Diagnostic):
     """The step or horizon isn't a positive duration."""
 
@@ -87,7 +80,6 @@ class BadStep(Diagnostic):
     usage: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NotSteps(Diagnostic):
     """A time has a unit that isn't a time."""
 
@@ -98,7 +90,6 @@ class NotSteps(Diagnostic):
     found: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class HugeTime(Diagnostic):
     """A number of steps is beyond any plan that can be solved."""
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from stlc.diagnostics import Diagnostic
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class UnknownUnit(Diagnostic):
     """A unit that isn't known.
 
@@ -24,7 +22,6 @@ class UnknownUnit(Diagnostic):
     hint: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class LevelSum(Diagnostic):
     """Two absolute levels in dBm are added.
 
@@ -38,7 +35,6 @@ class LevelSum(Diagnostic):
     help: ClassVar[str] = "one of the two should be in dB: dBm + dB is dBm, dBm - dBm is dB"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class UnitMismatch(Diagnostic):
     """Two quantities of different dimension are added or compared."""
 
@@ -52,7 +48,6 @@ class UnitMismatch(Diagnostic):
     hint: str = "check the units of both sides; a plain number takes the unit of the other side"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class LevelAgainstRatio(Diagnostic):
     """A level in dBm is compared with a ratio in dB.
 
@@ -68,7 +63,6 @@ class LevelAgainstRatio(Diagnostic):
     hint: str = "write the threshold in dBm"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class LevelProduct(Diagnostic):
     """A level in dBm, or an angle or ratio, is multiplied in a way that means nothing."""
 
@@ -78,7 +72,6 @@ class LevelProduct(Diagnostic):
     help: ClassVar[str] = "scale the ratio to a reference instead: `2 * (rssi(a, b) - (-70 dBm))`"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class WrongUnit(Diagnostic):
     """A property or argument needs another unit than it was given."""
 
@@ -90,7 +83,6 @@ class WrongUnit(Diagnostic):
     found: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class BadExponent(Diagnostic):
     """A power whose exponent isn't a whole number, of a quantity that has a unit."""
 

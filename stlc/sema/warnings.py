@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from stlc.diagnostics import Warn
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class UnusedObstacle(Warn):
     """An obstacle that no requirement avoids doesn't constrain anything."""
 
@@ -19,7 +17,6 @@ class UnusedObstacle(Warn):
     name: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class UnusedName(Warn):
     """Something is declared and never used."""
 
@@ -31,7 +28,6 @@ class UnusedName(Warn):
     name: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class PartlyOutside(Warn):
     """A region lies partly outside the workspace; only the rest of it can be reached."""
 
@@ -44,7 +40,6 @@ class PartlyOutside(Warn):
     how: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class AlwaysTrue(Warn):
     """A requirement holds whatever the agents do, so it says nothing."""
 
@@ -57,7 +52,6 @@ class AlwaysTrue(Warn):
     margin: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class EmptyInequality(Warn):
     """`!=` on continuous signals without a margin.
 
@@ -71,7 +65,6 @@ class EmptyInequality(Warn):
     help: ClassVar[str] = "write `abs(a - b) >= 0.1`, or give the requirement a `margin`"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class PaperCost(Warn):
     """`cost paper_inv_rssi` divides by a level in dB.
 
@@ -85,7 +78,6 @@ class PaperCost(Warn):
     help: ClassVar[str] = "use `cost inv_snr`"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NoRequirement(Warn):
     """The mission requires nothing."""
 
@@ -94,7 +86,6 @@ class NoRequirement(Warn):
     help: ClassVar[str] = "add a line such as `require: eventually[0, 8] r1 in goal`"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class OuterPolygon(Warn):
     """A circumscribed speed polygon lets the speed exceed its limit."""
 
@@ -106,7 +97,6 @@ class OuterPolygon(Warn):
     sides: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class ChannelNote(Warn):
     """The radio model has something to say about the values it was given."""
 
@@ -118,7 +108,6 @@ class ChannelNote(Warn):
     text: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NeverFromStart(Warn):
     """A requirement can't hold from where the agents start, whatever they do later.
 

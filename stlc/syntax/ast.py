@@ -6,270 +6,106 @@ apart. Every node has the span of its text; comments are kept beside the tree fo
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
+from stlc.record import Record
 from stlc.source import Source, Span
-
-
-@dataclass(frozen=True, slots=True)
-class Ident:
-    """A name with its place."""
-
-    text: str
-    span: Span
-
-
-# --- expressions -----------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True)
-class Expr:
-    """Base of all expressions."""
-
-    span: Span
-
-
-@dataclass(frozen=True, slots=True)
-class Number(Expr):
-    """`8`, `0.5 m`, `-70 dBm` (the sign is a `Negate`), `10 dB^2`, `2 m/s`; `unit` as written."""
-
-    value: float
-    text: str
-    unit: str | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class String(Expr):
-    """`"rssi.csv"`."""
-
-    value: str
-
-
-@dataclass(frozen=True, slots=True)
-class Bool(Expr):
-    """`true` or `false`."""
-
-    value: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Name(Expr):
-    """A declared or bound name."""
-
-    text: str
-
-
-@dataclass(frozen=True, slots=True)
-class Attribute(Expr):
-    """`r1.vx`."""
-
-    base: Expr
-    attr: Ident
-
-
-@dataclass(frozen=True, slots=True)
-class Index(Expr):
-    """`uav[2]`, one member of a family."""
-
-    base: Expr
-    indices: tuple[Expr, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Call(Expr):
-    """`home(r1, goal)`, `rssi(a, b)`, `distance(a, b)`, `abs(x)`, `P(rssi(a, b) >= -70 dBm)`."""
-
-    function: Ident
-    args: tuple[Expr, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Tuple(Expr):
-    """`(1, 2)`."""
-
-    items: tuple[Expr, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class List(Expr):
-    """`[goal1, goal2]`, and rows of a matrix `[[1, 0], [0, 1]]`."""
-
-    items: tuple[Expr, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Absolute(Expr):
-    """`|u|`."""
-
-    arg: Expr
-
-
-@dataclass(frozen=True, slots=True)
-class Negate(Expr):
-    """Unary minus."""
-
-    arg: Expr
-
-
-@dataclass(frozen=True, slots=True)
-class Arithmetic(Expr):
-    """`+ - * / ^`."""
-
-    operator: Literal["+", "-", "*", "/", "^"]
-    left: Expr
-    right: Expr
-
-
-@dataclass(frozen=True, slots=True)
-class Comparison(Expr):
-    """`a <= b < c`: one or more comparisons in a row, all of which hold."""
-
-    operands: tuple[Expr, ...]
-    operators: tuple[Literal["<", "<=", ">", ">=", "==", "!="], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Membership(Expr):
-    """`a in goal`, `a outside pillar`, `a outside pillar swept`."""
-
-    subject: Expr
-    relation: Literal["in", "outside"]
-    place: Expr
-    swept: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Swept(Expr):
-    """`separation(a, b) >= 0.5 m swept`: the comparison holds between samples too."""
-
-    arg: Expr
-
-
-@dataclass(frozen=True, slots=True)
-class Not(Expr):
-    """`not f`."""
-
-    arg: Expr
-
-
-@dataclass(frozen=True, slots=True)
-class Logical(Expr):
-    """`and or implies iff`; chains of `and`, `or` are flat, `implies` is right-associative."""
-
-    operator: Literal["and", "or", "implies", "iff"]
-    args: tuple[Expr, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Interval:
-    """`[a, b]`; `end` None is written `[a, inf]` or `[a, end]`."""
-
-    start: Expr
-    end: Expr | None
-    span: Span
-
-
-@dataclass(frozen=True, slots=True)
-class Temporal(Expr):
-    """`always[a,b] f`, `eventually[a,b] f`, `next f`; no interval: unbounded (or one step)."""
-
-    operator: Literal["always", "eventually", "next"]
-    interval: Interval | None
-    arg: Expr
-
-
-@dataclass(frozen=True, slots=True)
-class TemporalPair(Expr):
-    """`f until[a,b] g`, `f release[a,b] g`."""
-
-    operator: Literal["until", "release"]
-    interval: Interval | None
-    left: Expr
-    right: Expr
-
-
-@dataclass(frozen=True, slots=True)
-class Quantifier(Expr):
-    """`forall a in agents: f`, `forall (a, b) in pairs: f`, `exists r in [g1, g2]: f`.
-
-    As a sum over the same domains, `sum a in agents: x`, it is arithmetic.
-    """
-
-    kind: Literal["forall", "exists", "sum"]
-    variables: tuple[Ident, ...]
-    domain: Expr
-    body: Expr
-
-
-@dataclass(frozen=True, slots=True)
-class Range(Expr):
-    """`1..4`, as a domain, a family or a set of steps."""
-
-    start: Expr
-    end: Expr
-
-
-# --- shapes ----------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True)
-class Shape:
-    """Base of all shapes."""
-
-    span: Span
-
-
-@dataclass(frozen=True, slots=True)
-class Box(Shape):
-    """`box [x0, x1] x [y0, y1]`."""
-
-    x: tuple[Expr, Expr]
-    y: tuple[Expr, Expr]
-
-
-@dataclass(frozen=True, slots=True)
-class PolygonShape(Shape):
-    """`polygon (1, 8) (2, 8) (2, 9) hole (..) (..) (..)`."""
-
-    ring: tuple[Expr, ...]
-    holes: tuple[tuple[Expr, ...], ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class GeoJson(Shape):
-    """`geojson "site.json" [feature "name"]`, metres in a local frame."""
-
-    path: String
-    feature: String | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class NamedShape(Shape):
-    """A region used as a shape: `obstacle wall = goal1`."""
-
-    name: Ident
-
-
-@dataclass(frozen=True, slots=True)
-class Moving(Shape):
-    """`moving { 0: box ..; 3: box ..; .. }`: the shape from each step on, or `path` by vectors."""
-
-    frames: tuple[tuple[Expr, Shape], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Union(Shape):
-    """`shape + shape`."""
-
-    parts: tuple[Shape, ...]
-
-
-# --- statements ------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True)
-class Property:
+from stlc.syntax.nodes import (
+    Absolute as Absolute,
+)
+from stlc.syntax.nodes import (
+    Arithmetic as Arithmetic,
+)
+from stlc.syntax.nodes import (
+    Attribute as Attribute,
+)
+from stlc.syntax.nodes import (
+    Bool as Bool,
+)
+from stlc.syntax.nodes import (
+    Box as Box,
+)
+from stlc.syntax.nodes import (
+    Call as Call,
+)
+from stlc.syntax.nodes import (
+    Comparison as Comparison,
+)
+from stlc.syntax.nodes import (
+    Expr as Expr,
+)
+from stlc.syntax.nodes import (
+    GeoJson as GeoJson,
+)
+from stlc.syntax.nodes import (
+    Ident as Ident,
+)
+from stlc.syntax.nodes import (
+    Index as Index,
+)
+from stlc.syntax.nodes import (
+    Interval as Interval,
+)
+from stlc.syntax.nodes import (
+    List as List,
+)
+from stlc.syntax.nodes import (
+    Logical as Logical,
+)
+from stlc.syntax.nodes import (
+    Membership as Membership,
+)
+from stlc.syntax.nodes import (
+    Moving as Moving,
+)
+from stlc.syntax.nodes import (
+    Name as Name,
+)
+from stlc.syntax.nodes import (
+    NamedShape as NamedShape,
+)
+from stlc.syntax.nodes import (
+    Negate as Negate,
+)
+from stlc.syntax.nodes import (
+    Not as Not,
+)
+from stlc.syntax.nodes import (
+    Number as Number,
+)
+from stlc.syntax.nodes import (
+    PolygonShape as PolygonShape,
+)
+from stlc.syntax.nodes import (
+    Quantifier as Quantifier,
+)
+from stlc.syntax.nodes import (
+    Range as Range,
+)
+from stlc.syntax.nodes import (
+    Shape as Shape,
+)
+from stlc.syntax.nodes import (
+    String as String,
+)
+from stlc.syntax.nodes import (
+    Swept as Swept,
+)
+from stlc.syntax.nodes import (
+    Temporal as Temporal,
+)
+from stlc.syntax.nodes import (
+    TemporalPair as TemporalPair,
+)
+from stlc.syntax.nodes import (
+    Tuple as Tuple,
+)
+from stlc.syntax.nodes import (
+    Union as Union,
+)
+
+
+class Property(Record):
     """One property of a block: a key, then its words and values as written.
 
     `L0 = -12.89 dBm` and `n = 3` have `args` of one value and are `assigned`. `control |u| <= 1`
@@ -290,21 +126,18 @@ class Property:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
-class Statement:
+class Statement(Record):
     """Base of all statements."""
 
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
 class Import(Statement):
     """`import "lib.stl"`."""
 
     path: String
 
 
-@dataclass(frozen=True, slots=True)
 class Param(Statement):
     """`param v = 2 m/s`; overridden by `-D v=3`."""
 
@@ -312,7 +145,6 @@ class Param(Statement):
     value: Expr
 
 
-@dataclass(frozen=True, slots=True)
 class SignalDecl(Statement):
     """`signal speed [m/s]`, for formulas that are monitored on recorded data."""
 
@@ -320,35 +152,30 @@ class SignalDecl(Statement):
     unit: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
 class Step(Statement):
     """`step 1 s`."""
 
     duration: Expr
 
 
-@dataclass(frozen=True, slots=True)
 class Horizon(Statement):
     """`horizon 20`, `horizon 20 s`."""
 
     length: Expr
 
 
-@dataclass(frozen=True, slots=True)
 class Margin(Statement):
     """`margin 0.1`: the robustness every requirement must reach."""
 
     value: Expr
 
 
-@dataclass(frozen=True, slots=True)
 class Workspace(Statement):
     """`workspace box [0, 10] x [0, 10]`."""
 
     shape: Shape
 
 
-@dataclass(frozen=True, slots=True)
 class DynamicsDecl(Statement):
     """`dynamics cart = double_integrator { .. }` or `dynamics cart { A = ..; B = .. }`."""
 
@@ -357,7 +184,6 @@ class DynamicsDecl(Statement):
     properties: tuple[Property, ...]
 
 
-@dataclass(frozen=True, slots=True)
 class AgentDecl(Statement):
     """`agent r1 : cart { .. }`, `agent uav[1..4] : cart { .. }`."""
 
@@ -367,7 +193,6 @@ class AgentDecl(Statement):
     properties: tuple[Property, ...]
 
 
-@dataclass(frozen=True, slots=True)
 class StationDecl(Statement):
     """`station base at (5, 0)`, with a block for its height and the like."""
 
@@ -376,7 +201,6 @@ class StationDecl(Statement):
     properties: tuple[Property, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
 class RegionDecl(Statement):
     """`region goal = box ..`."""
 
@@ -384,7 +208,6 @@ class RegionDecl(Statement):
     shape: Shape
 
 
-@dataclass(frozen=True, slots=True)
 class ObstacleDecl(Statement):
     """`obstacle pillar = box .. inflate 0.3 m`."""
 
@@ -393,7 +216,6 @@ class ObstacleDecl(Statement):
     inflate: Expr | None = None
 
 
-@dataclass(frozen=True, slots=True)
 class ChannelDecl(Statement):
     """`channel radio { .. }`."""
 
@@ -401,7 +223,6 @@ class ChannelDecl(Statement):
     properties: tuple[Property, ...]
 
 
-@dataclass(frozen=True, slots=True)
 class Let(Statement):
     """`let home(a, g) = ..`."""
 
@@ -410,7 +231,6 @@ class Let(Statement):
     body: Expr
 
 
-@dataclass(frozen=True, slots=True)
 class Require(Statement):
     """`require reach1 [margin 0.2]: ..`; the name is optional."""
 
@@ -419,14 +239,12 @@ class Require(Statement):
     margin: Expr | None = None
 
 
-@dataclass(frozen=True, slots=True)
 class Prefer(Statement):
     """Reserved for soft requirements: `prefer close weight 2: ..`."""
 
     name: Ident | None
 
 
-@dataclass(frozen=True, slots=True)
 class Objective(Statement):
     """`minimize 0.1 * effort + 0.9 * link_cost(radio)`, `maximize robustness`."""
 
@@ -434,16 +252,14 @@ class Objective(Statement):
     expression: Expr
 
 
-@dataclass(frozen=True, slots=True)
-class Comment:
+class Comment(Record):
     """`# text`, where it stands."""
 
     text: str
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
-class File:
+class File(Record):
     """A whole mission or library file."""
 
     source: Source

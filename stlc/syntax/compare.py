@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, is_dataclass
-
+from stlc.record import Record
 from stlc.source import Source, Span
 
 
@@ -16,7 +15,7 @@ def same_syntax(left: object, right: object) -> bool:
         return len(left) == len(right) and all(same_syntax(a, b) for a, b in pairs)
     if isinstance(left, Span | Source):
         return True
-    if is_dataclass(left):
-        names = (field.name for field in fields(left) if field.name != "comments")
+    if isinstance(left, Record):
+        names = (name for name in type(left).record_fields if name != "comments")
         return all(same_syntax(getattr(left, name), getattr(right, name)) for name in names)
     return left == right

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from stlc.diagnostics import Diagnostic, Warn
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class SyntaxMistake(Diagnostic):
     """The text doesn't follow the grammar at this place.
 
@@ -25,7 +23,6 @@ class SyntaxMistake(Diagnostic):
     advice: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class UnknownCharacter(Diagnostic):
     """A character that has no meaning outside of strings and comments.
 
@@ -42,7 +39,6 @@ class UnknownCharacter(Diagnostic):
     advice: str = "remove it"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class UnterminatedString(Diagnostic):
     """A string is opened by `"` and must be closed by `"` on the same line."""
 
@@ -52,7 +48,6 @@ class UnterminatedString(Diagnostic):
     help: ClassVar[str] = 'close the string with `"` on the same line'
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class UnclosedBracket(Diagnostic):
     """A bracket is opened and the statement ends before it is closed.
 
@@ -68,7 +63,6 @@ class UnclosedBracket(Diagnostic):
     closing: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class UnmatchedBracket(Diagnostic):
     """A bracket is closed that was not opened, or was opened by another kind of bracket."""
 
@@ -81,7 +75,6 @@ class UnmatchedBracket(Diagnostic):
     advice: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NestingTooDeep(Diagnostic):
     """Brackets, operators in a row and the like may be nested up to a fixed depth.
 
@@ -97,7 +90,6 @@ class NestingTooDeep(Diagnostic):
     limit: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class ReservedWord(Diagnostic):
     """`prefer` is reserved for soft requirements, which do not exist yet.
 
@@ -116,7 +108,6 @@ class ReservedWord(Diagnostic):
     word: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class PastOperator(Diagnostic):
     """Formulas look forward in time: past operators (once, historically, since, previously) aren't.
 
@@ -134,7 +125,6 @@ class PastOperator(Diagnostic):
     advice: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class UnknownStatement(Diagnostic):
     """Each statement starts with its keyword at the start of a line.
 
@@ -152,7 +142,6 @@ class UnknownStatement(Diagnostic):
     advice: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class UnexpectedEnd(Diagnostic):
     """A statement stops before it is complete."""
 
@@ -166,7 +155,6 @@ class UnexpectedEnd(Diagnostic):
     advice: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class BadNumber(Diagnostic):
     """A number is followed directly by letters that are no known unit.
 
@@ -184,7 +172,6 @@ class BadNumber(Diagnostic):
     advice: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NotText(Diagnostic):
     """The file isn't UTF-8 text, or it is something else than a mission.
 
@@ -202,7 +189,6 @@ class NotText(Diagnostic):
     advice: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class TooLarge(Diagnostic):
     """The file, or one line of it, is larger than any mission a person or a program writes."""
 
@@ -216,7 +202,6 @@ class TooLarge(Diagnostic):
     limit: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class TooManyMistakes(Diagnostic):
     """Only the first mistakes are listed; mend them and check again."""
 
@@ -227,7 +212,6 @@ class TooManyMistakes(Diagnostic):
     count: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class SingleEquals(Diagnostic):
     """`=` gives a name or a property its value; values are compared by `==`."""
 
@@ -237,7 +221,6 @@ class SingleEquals(Diagnostic):
     help: ClassVar[str] = "compare with `==`, or better with `<=` and `>=`"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class AmbiguousMix(Warn):
     """Operators stand side by side whose order other STL tools read differently.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
 from typing import ClassVar
 
 import pytest
@@ -15,7 +14,6 @@ from stlc.source import Source
 from stlc.syntax.parse import parse
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Sample(Diagnostic):
     """A diagnostic for these tests.
 

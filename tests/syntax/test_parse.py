@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from stlc.record import changed
 from stlc.source import Source
 from stlc.syntax import ast
 from stlc.syntax.compare import same_syntax
@@ -80,14 +81,13 @@ def test_a_formula_is_read_as(written: str, meant: str) -> None:
 
 def _absolute(node: object) -> object:
     """`abs_(x)` stands for `|x|` in the expected texts."""
-    from dataclasses import fields, is_dataclass, replace
-
     if isinstance(node, tuple):
         return tuple(map(_absolute, node))
     if isinstance(node, ast.Call) and node.function.text == "abs_":
         return ast.Absolute(node.span, _absolute(node.args[0]))  # type: ignore[arg-type]
-    if isinstance(node, ast.Expr | ast.Statement) and is_dataclass(node):
-        return replace(node, **{f.name: _absolute(getattr(node, f.name)) for f in fields(node)})
+    if isinstance(node, ast.Expr | ast.Statement):
+        names = type(node).record_fields
+        return changed(node, **{name: _absolute(getattr(node, name)) for name in names})
     return node
 
 
