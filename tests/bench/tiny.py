@@ -34,6 +34,7 @@ SUITES = (
 
 def registry(folder: Path) -> Path:
     """Write it; three problems, two of them quick."""
+    fingerprint.cache_clear()  # sources may be edited while a long test session runs
     missions = folder / "missions"
     missions.mkdir(parents=True)
     (folder / "registry.py").write_text(REGISTRY)
@@ -46,7 +47,8 @@ def job(
     name: str = "one", config: Config | None = None, limits: Limits | None = None,
     code: str | None = None, text: str | None = None,
 ) -> Job:  # fmt: skip
-    """One run of a tiny mission."""
+    """One run of a tiny mission, by the sources as they are now."""
+    fingerprint.cache_clear()
     data = (text or MISSION.format(x=1)).encode()
     return Job(
         "tiny", name, f"{name}.stl", {f"{name}.stl": data}, config or Config(),
