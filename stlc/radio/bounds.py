@@ -1,8 +1,9 @@
 """Rigorous bounds of the posterior over closed cell pairs.
 
-Cells are cut into s x s parts, s = 1, 2, 4, ... (only where the bounds are still loose) until
-they are tight or the budget ends; over each pair of parts `stlc.radio.taylor` gives the mean
-m + u S and the variance sigma_k^2 u^2 V as first-order expansions with rigorous remainders.
+Branch and bound: cells are cut into s x s parts, s = 1, 2, 4, ..., but only the parts that
+keep the bound of their cell loose are cut again, until all are tight or the budget ends; over
+each pair of parts `stlc.radio.taylor` gives the mean m + u S and the variance sigma_k^2 u^2 V
+as first-order expansions with rigorous remainders.
 Sound for any s. The level mean - z sigma is expanded as a whole, with
     0 >= sqrt(v) - sqrt(v0) - (v - v0) / (2 sqrt(v0)) >= -(v - v0)^2 / (8 min(v)^(3/2)).
 """
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from stlc.radio.errors import RadioError
 from stlc.radio.gp import ChannelModel
 from stlc.radio.kernel import KernelName
-from stlc.radio.pairs import BLOCK_BYTES, PairField, predict_pair_mean, predict_pairs, prepare
+from stlc.radio.pairs import BLOCK_BYTES, PairField, prepare
 from stlc.radio.pathloss import path_loss_mean
 from stlc.radio.taylor import (
     Boxes,
@@ -29,8 +30,10 @@ from stlc.radio.taylor import (
     expand_rest,
     prepare_ends,
 )
+from stlc.radio.threads import single_thread
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
 Interval = tuple[Array, Array]
 
 SLACK = 1e-9
@@ -77,7 +80,8 @@ def pair_bounds(
     """Bounds for all pairs of boxes of `a` and `b` (b None: `a` with itself, half the work).
 
     spread=False leaves sigma at its prior bounds (z must be 0), which is much faster;
-    tolerance [dB] on `level`; budget: most multiplications of one round (sub-pairs x M^2).
+    tolerance [dB] on `level`; budget: multiplications (pairs of parts x M^2) to spend after
+    the first look, on the loosest pairs first.
     Raises RadioError for `paper_min`, whose posterior variance obeys no such bound.
     """
     if model.kernel is not KernelName.SYMMETRISED:
@@ -85,108 +89,131 @@ def pair_bounds(
     if z != 0.0 and not spread:
         raise RadioError("a level with z other than 0 needs the spread")
     field = prepare(model, a.centre.shape[1])
-    other = a if b is None else b
-    ask = _Ask(fading, z, spread)
-    seen = _attained(model, a, other, ask)
-    bounds = np.empty((6, len(a), len(other)))
-    bounds[0::2], bounds[1::2] = -np.inf, np.inf
-    loose = np.ones((len(a), len(other)), dtype=np.bool_)
-    parts, last = 1, 1
-    finest = FINEST if (other.half > 0).any() else FINEST**2
-    while (
-        loose.any()
-        and parts <= finest
-        and _work(field, a, other, loose, parts, b is None, spread) <= budget
-    ):
-        _refine(field, a, other, (bounds, *seen), loose, parts, b is None, ask)
-        gap = np.maximum(seen[0] - bounds[4], bounds[5] - seen[1])
-        loose = gap > tolerance
-        parts, last = 2 * parts, parts
-    if not np.isfinite(bounds).all():
-        raise RadioError("the budget for channel bounds does not reach a single look at each pair")
-    worst = float(gap.max(initial=0.0))
+    swapped = b is not None and len(b) < len(a)  # rows are walked one by one: few, long rows
+    ends = (a, a) if b is None else (b, a) if swapped else (a, b)
+    search = _Search(
+        field, _Ask(fading, z, spread), tolerance, len(ends[0]), len(ends[1]), b is None
+    )
+    with single_thread():
+        last = search.run(ends[0], ends[1], budget)
+    bounds = search.bounds.swapaxes(1, 2) if swapped else search.bounds
+    gap = float(search.gap().max(initial=0.0))
     pairs = [(bounds[k], bounds[k + 1]) for k in (0, 2, 4)]
-    return PairBounds(pairs[0], pairs[1], pairs[2], worst, last)
+    return PairBounds(pairs[0], pairs[1], pairs[2], gap, last)
 
 
-def _attained(model: ChannelModel, a: Boxes, b: Boxes, ask: _Ask) -> tuple[Array, Array]:
-    """Least and greatest level seen on a lattice of 3 points an axis in every box."""
-    points_a, points_b = _lattice(a), _lattice(b)
-    if ask.spread:
-        mean, variance = predict_pairs(model, points_a, points_b, ask.fading)
-        mean = mean - ask.z * np.sqrt(variance)
-    else:
-        mean = predict_pair_mean(model, points_a, points_b)
-    level = mean.reshape(len(a), len(points_a) // len(a), len(b), len(points_b) // len(b))
-    return _reduce(level, False), _reduce(level, True)
+class _Search:
+    """Branch and bound over pairs of parts; only parts that keep a bound loose are cut."""
+
+    def __init__(
+        self, field: PairField, ask: _Ask, tolerance: float, rows: int, columns: int, same: bool
+    ) -> None:
+        self.field, self.ask, self.tolerance, self.same = field, ask, tolerance, same
+        self.bounds = np.empty((6, rows, columns))
+        self.bounds[0::2], self.bounds[1::2] = -np.inf, np.inf
+        self.settled = np.empty_like(self.bounds)
+        self.settled[0::2], self.settled[1::2] = np.inf, -np.inf
+        self.seen = np.stack([np.full((rows, columns), v) for v in (np.inf, -np.inf)])
+
+    def gap(self) -> Array:
+        """Slack (rows, columns) [dB] left between the bounds of the level and values seen."""
+        return np.asarray(np.maximum(self.seen[0] - self.bounds[4], self.bounds[5] - self.seen[1]))
+
+    def run(self, left: Boxes, right: Boxes, budget: float) -> int:
+        """Refine until tight, or the budget or the finest cut is reached; returns the cut."""
+        axes = [int((end.half > 0).any(axis=0).sum()) for end in (left, right)]
+        finest = FINEST if min(axes) else FINEST**2
+        cost = self._cost()
+        rows, columns = np.indices(self.bounds.shape[1:]).reshape(2, -1)
+        active = np.stack([rows, columns])[:, columns >= rows if self.same else slice(None)]
+        parts = 1
+        while True:
+            active = self._look(left, right, active, (parts ** axes[0], parts ** axes[1]))
+            split = 2 ** (axes[0] + axes[1])
+            active = self._afford(active, parts, axes, budget / (cost * split))
+            budget -= cost * split * active.shape[1]
+            if not active.shape[1] or 2 * parts > finest:
+                return parts
+            left, right, parts = left.subdivide(2), right.subdivide(2), 2 * parts
+            active = _children(active, 2 ** axes[0], 2 ** axes[1])
+
+    def _cost(self) -> float:
+        centres = max(self.field.centres, 30)
+        return float(centres) ** 2 if self.ask.spread else 30.0 * centres
+
+    def _afford(self, active: Ints, parts: int, axes: list[int], most: float) -> Ints:
+        """The active pairs of the loosest cells, at most `most` of them.
+
+        Cells are refined as a whole or not at all, for a part left out would keep its bound.
+        """
+        if active.shape[1] <= most:
+            return active
+        cell = self._cells(active, (parts ** axes[0], parts ** axes[1]))
+        count = np.bincount(cell, minlength=self.bounds[0].size)
+        order = np.argsort(-self.gap().ravel(), kind="stable")
+        kept = np.zeros(len(order), dtype=np.bool_)
+        kept[order[np.cumsum(count[order]) <= most]] = True
+        return np.asarray(active[:, kept[cell]])
+
+    def _cells(self, active: Ints, per: tuple[int, int]) -> Ints:
+        columns = self.bounds.shape[2]
+        return np.asarray((active[0] // per[0]) * columns + active[1] // per[1])
+
+    def _look(self, left: Boxes, right: Boxes, active: Ints, per: tuple[int, int]) -> Ints:
+        """Bound all active pairs of parts; returns those that still keep a cell loose."""
+        used = [np.unique(side) for side in active]
+        ends = [
+            prepare_ends(self.field, box.take(rows), other)
+            for box, rows, other in zip((left, right), used, (False, True), strict=True)
+        ]
+        places = np.searchsorted(used[1], active[1])
+        row_cells = active[0] // per[0]
+        kept = [np.zeros((2, 0), dtype=np.intp)]
+        for cells in np.split(np.arange(active.shape[1]), np.flatnonzero(np.diff(row_cells)) + 1):
+            rows = np.searchsorted(used[0], active[0, cells])
+            values = self._row(ends[0], ends[1], rows, places[cells])
+            columns = active[1, cells] // per[1]
+            kept.append(active[:, cells[self._merge(int(row_cells[cells[0]]), columns, values)]])
+        return np.hstack(kept)
+
+    def _row(self, left: Ends, right: Ends, rows: Ints, places: Ints) -> Array:
+        """Bounds and centre level (7, K) of pairs (rows, places), grouped by equal rows."""
+        most = max(1, BLOCK_BYTES // (max(self.field.centres, 8) * 8))
+        breaks = np.flatnonzero(np.diff(rows)) + 1
+        out = np.empty((7, len(rows)))
+        for group in np.split(np.arange(len(rows)), breaks):
+            mine = left.take(rows[group[:1]])
+            for start in range(0, len(group), most):
+                some = group[start : start + most]
+                theirs = right.take(places[some])
+                out[:, some] = np.vstack(_sub_bounds(self.field, mine, theirs, self.ask))
+        return out
+
+    def _merge(self, row: int, columns: Ints, values: Array) -> NDArray[np.bool_]:
+        """Fold parts into the bounds of one row's cells; which of them are not settled."""
+        np.minimum.at(self.seen[0, row], columns, values[6])
+        np.maximum.at(self.seen[1, row], columns, values[6])
+        low, high = self.seen[:, row, columns]
+        loose = (low - values[4] > self.tolerance) | (values[5] - high > self.tolerance)
+        touched = np.unique(columns)
+        for k in range(6):
+            fold, keep = (np.maximum, np.minimum) if k % 2 else (np.minimum, np.maximum)
+            whole = self.settled[k, row].copy()
+            fold.at(whole, columns, values[k])
+            fold.at(self.settled[k, row], columns[~loose], values[k][~loose])
+            self.bounds[k, row, touched] = keep(self.bounds[k, row, touched], whole[touched])
+        if self.same:
+            self.bounds[:, :, row], self.seen[:, :, row] = self.bounds[:, row], self.seen[:, row]
+        return np.asarray(loose, dtype=np.bool_)
 
 
-def _lattice(boxes: Boxes) -> Array:
-    fine = Boxes(boxes.centre, 1.5 * boxes.half).subdivide(3)
-    return fine.centre
-
-
-def _work(
-    field: PairField,
-    a: Boxes,
-    b: Boxes,
-    loose: NDArray[np.bool_],
-    parts: int,
-    symmetric: bool,
-    spread: bool,
-) -> float:
-    axes = int((a.half > 0).any(axis=0).sum() + (b.half > 0).any(axis=0).sum())
-    pairs = float(loose.sum()) * float(parts) ** axes * (0.5 if symmetric else 1.0)
-    return pairs * float(max(field.centres, 30)) ** (2 if spread else 1) * (1.0 if spread else 30.0)
-
-
-def _refine(
-    field: PairField,
-    a: Boxes,
-    b: Boxes,
-    found: tuple[Array, Array, Array],
-    loose: NDArray[np.bool_],
-    parts: int,
-    symmetric: bool,
-    ask: _Ask,
-) -> None:
-    """Tighten bounds (6, na, nb) and the least and greatest level seen, in place where
-    `loose`, with cells cut parts x parts."""
-    bounds, seen_low, seen_high = found
-    left = prepare_ends(field, a.subdivide(parts), False)
-    right = prepare_ends(field, b.subdivide(parts), True)
-    per_a, per_b = len(left.boxes) // len(a), len(right.boxes) // len(b)
-    most = max(1, BLOCK_BYTES // (per_a * per_b * max(field.centres, 8) * 8))
-    for row in range(len(a)):
-        columns = np.flatnonzero(loose[row])
-        columns = columns[columns >= row] if symmetric else columns
-        mine = left.take(np.arange(row * per_a, (row + 1) * per_a))
-        for start in range(0, len(columns), most):
-            cells = columns[start : start + most]
-            theirs = right.take((cells[:, None] * per_b + np.arange(per_b)).ravel())
-            piece = _sub_bounds(field, mine, theirs, ask)
-            shape = (1, per_a, len(cells), per_b)
-            best = [_reduce(v.reshape(shape), k % 2 == 1)[0] for k, v in enumerate(piece[:6])]
-            for k in range(6):
-                keep = np.minimum if k % 2 else np.maximum
-                _keep(bounds[k], row, cells, best[k], keep, symmetric)
-            level = piece[6].reshape(shape)
-            _keep(seen_low, row, cells, _reduce(level, False)[0], np.minimum, symmetric)
-            _keep(seen_high, row, cells, _reduce(level, True)[0], np.maximum, symmetric)
-
-
-def _keep(
-    table: Array, row: int, cells: NDArray[np.intp], new: Array, rule: np.ufunc, symmetric: bool
-) -> None:
-    """Merge new values into one row (and its mirror) of a table."""
-    table[row, cells] = rule(table[row, cells], new)
-    if symmetric:
-        table[cells, row] = table[row, cells]
-
-
-def _reduce(values: Array, upper: bool) -> Array:
-    reduced = values.max(axis=(1, 3)) if upper else values.min(axis=(1, 3))
-    return np.asarray(reduced, dtype=np.float64)
+def _children(active: Ints, first: int, second: int) -> Ints:
+    """Pairs of the parts of each pair, box-major, in the order of the first ends."""
+    one = (active[0][:, None] * first + np.arange(first)).repeat(second, axis=1).ravel()
+    two = active[1][:, None] * second + np.arange(second)
+    two = np.tile(two, (1, first)).ravel()
+    order = np.lexsort((two, one))
+    return np.stack([one[order], two[order]])
 
 
 def _sub_bounds(field: PairField, left: Ends, right: Ends, ask: _Ask) -> list[Array]:
@@ -204,7 +231,7 @@ def _sub_bounds(field: PairField, left: Ends, right: Ends, ask: _Ask) -> list[Ar
     overlap = [1.0 + np.exp(-((d / model.length) ** 2)) for d in (far, near, at)]
     scale = [1.0 / np.sqrt(g) for g in (overlap[1], overlap[0], overlap[2])]
     loss = expand_path_loss(model, left.boxes, right.boxes, near, at)
-    gain = expand_gain(field, left, right)
+    gain = expand_gain(field, left, right, near)
     mean, drift = _mean_expansion(loss, gain, scale)
     crude = _product(gain.interval(), (scale[0], scale[1]))
     low = np.maximum(low + crude[0], mean.interval()[0] + drift[0]) - SLACK

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from stlc.radio.gp import ChannelModel
 from stlc.radio.kernel import KernelName, self_overlap, squared_distance
-from stlc.radio.pathloss import path_loss_mean, split_links
+from stlc.radio.pathloss import path_loss_mean, split_links, swap_ends
 
 Array = NDArray[np.float64]
 
@@ -28,6 +28,7 @@ class PairField:
 
     sender, receiver  (M, D) centres; M = 0 for the prior
     mean_weight       (M,) with S(a, b) = sum_j mean_weight_j [E E + E E], mean = m + u S
+    norm              of S in the space of the unnormalised kernel: S'' <= norm |phi''|
     root              (r, M) with variance = sigma_k^2 u^2 (g - |root w|^2), w = E E + E E,
                       g = 1 + exp(-|a - b|^2 / l^2)
     """
@@ -36,6 +37,7 @@ class PairField:
     sender: Array
     receiver: Array
     mean_weight: Array
+    norm: float
     root: Array
 
     @property
@@ -55,12 +57,24 @@ def prepare(model: ChannelModel, dimension: int) -> PairField:
     posterior = model.posterior
     if posterior is None or model.shadowing == 0.0:
         none = np.zeros((0, dimension))
-        return PairField(model, none, none, np.zeros(0), np.zeros((0, 0)))
+        return PairField(model, none, none, np.zeros(0), 0.0, np.zeros((0, 0)))
     sender, receiver = split_links(posterior.centres)
     norm = 1.0 / np.sqrt(1.0 + self_overlap(posterior.centres, model.length))
     weight = model.shadowing * norm * posterior.weights
     root = np.sqrt(model.shadowing) * posterior.factor * norm[None, :]
-    return PairField(model, sender, receiver, weight, root)
+    size = _norm(posterior.centres, weight, model.length)
+    return PairField(model, sender, receiver, weight, size, root)
+
+
+def _norm(centres: Array, weight: Array, length: float) -> float:
+    """sqrt(w' K w) with K the unnormalised symmetric kernel, rounded up."""
+    swapped = swap_ends(centres)
+    kernel = sum(
+        np.exp(-squared_distance(centres, other) / (2.0 * length**2))
+        for other in (centres, swapped)
+    )
+    square = max(float(weight @ kernel @ weight), 0.0)
+    return float(np.sqrt(square + 1e-9 * float(weight @ weight) * len(weight)))
 
 
 def swap_halves(factors: Array) -> Array:
@@ -99,19 +113,6 @@ def predict_pairs(
         explained[rows] = _explained(field, fa[rows], fb)
     variance = model.checked_variance(model.shadowing * (1.0 - explained / overlap))
     return mean, variance + (model.fading if fading else 0.0)
-
-
-def predict_pair_mean(model: ChannelModel, a: Array, b: Array) -> Array:
-    """Posterior mean (na, nb) [dBm] alone, symmetrised kernel: one matrix product."""
-    field = prepare(model, a.shape[1])
-    distance = pair_distance(a, b)
-    mean = path_loss_mean(distance, model.l0, model.exponent, model.d0)
-    if not field.centres:
-        return mean
-    overlap = 1.0 + np.exp(-((distance / model.length) ** 2))
-    fa, fb = field.factors(a), swap_halves(field.factors(b))
-    gain = (fa * np.tile(field.mean_weight, 2)) @ fb.T
-    return np.asarray(mean + gain / np.sqrt(overlap), dtype=np.float64)
 
 
 def row_blocks(rows: int, bytes_a_row: int) -> list[slice]:

@@ -1,11 +1,10 @@
 """First-order expansions of the posterior over pairs of boxes, with rigorous remainders.
 
 Over boxes of centre y0 and half widths h, r^2 = |h|^2:
-  * S: the Hessian of one kernel term, rho (d d'/l^4 - I/l^2), lies between -rho/l^2 and
-    t rho/l^2, t = |y - c|^2/l^2, so its remainder is summed by the sign of each weight with
-    the largest rho and the largest t rho in the box;
-  * V = <phi, (I - P) phi>, 0 <= P <= I, phi the features of the unnormalised symmetric kernel:
-    V'' is at least -2 |phi| |phi''| and at most 2 |phi'|^2 + 2 |phi| |phi''|, where
+  * S = <S, phi> in the space of the unnormalised symmetric kernel, phi its features, so that
+    |S''| <= |S| |phi''|, |S|^2 = w' K w;
+  * V = <phi, (I - P) phi>, 0 <= P <= I: V'' is at least -2 |phi| |phi''| and at most
+    2 |phi'|^2 + 2 |phi| |phi''|, where
     |phi|^2 = g, |phi'|^2 <= (1 + min(1, (1+t) e^(-t/2)))/l^2,
     |phi''|^2 <= (3 + min(3, (3 + 6t + t^2) e^(-t/2)))/l^4, t = 2 |a - b|^2/l^2;
   * m: the Hessian of log |a - b| by a - b has the eigenvalues +-1/|a - b|^2.
@@ -67,6 +66,10 @@ class Boxes:
     def __len__(self) -> int:
         return len(self.centre)
 
+    def take(self, rows: NDArray[np.intp]) -> Boxes:
+        """The boxes of the given rows."""
+        return Boxes(self.centre[rows], self.half[rows])
+
     def subdivide(self, parts: int) -> Boxes:
         """Each box cut into `parts` along every axis of positive width, box-major."""
         axes = [k for k in range(self.centre.shape[1]) if (self.half[:, k] > 0).any()]
@@ -83,23 +86,18 @@ class Boxes:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ends:
-    """Boxes of one end and, for each, E at its centre, the largest E, the largest t E."""
+    """Boxes of one end and E at their centres."""
 
     boxes: Boxes
     factors: Array
-    top: Array
-    bend: Array
 
     def take(self, rows: NDArray[np.intp]) -> Ends:
-        boxes = Boxes(self.boxes.centre[rows], self.boxes.half[rows])
-        return Ends(boxes, self.factors[rows], self.top[rows], self.bend[rows])
+        return Ends(self.boxes.take(rows), self.factors[rows])
 
 
 def prepare_ends(field: PairField, boxes: Boxes, other: bool) -> Ends:
-    arrays = [field.factors(boxes.centre), *_box_factors(field, boxes)]
-    if other:
-        arrays = [swap_halves(f) for f in arrays]
-    return Ends(boxes, arrays[0], arrays[1], arrays[2])
+    factors = field.factors(boxes.centre)
+    return Ends(boxes, swap_halves(factors) if other else factors)
 
 
 def distances(a: Boxes, b: Boxes) -> tuple[Array, Array, Array]:
@@ -113,19 +111,6 @@ def distances(a: Boxes, b: Boxes) -> tuple[Array, Array, Array]:
         at += gap**2
         far += (gap + reach) ** 2
     return np.sqrt(near), np.sqrt(at), np.sqrt(far)
-
-
-def _box_factors(field: PairField, boxes: Boxes) -> tuple[Array, Array]:
-    """Largest E and largest t E, t = |p - x|^2/l^2, over each box: (n, 2 M) each."""
-    both = np.vstack([field.sender, field.receiver])
-    near, far = np.zeros((len(boxes), len(both))), np.zeros((len(boxes), len(both)))
-    for axis in range(both.shape[1]):
-        gap = np.abs(boxes.centre[:, axis, None] - both[None, :, axis])
-        near += np.maximum(gap - boxes.half[:, axis, None], 0.0) ** 2
-        far += (gap + boxes.half[:, axis, None]) ** 2
-    near, far = near / field.model.length**2, far / field.model.length**2
-    peak = np.clip(2.0, near, far)
-    return np.exp(-near / 2.0), peak * np.exp(-peak / 2.0)
 
 
 def _halves(a: Boxes, b: Boxes) -> tuple[Array, ...]:
@@ -151,7 +136,7 @@ def expand_path_loss(model: ChannelModel, a: Boxes, b: Boxes, near: Array, at: A
     return Expansion(centre, (*step, *(-s for s in step)), _halves(a, b), bend, bend)
 
 
-def expand_gain(field: PairField, left: Ends, right: Ends) -> Expansion:
+def expand_gain(field: PairField, left: Ends, right: Ends, near: Array) -> Expansion:
     """S."""
     a, b, fa, fb = left.boxes, right.boxes, left.factors, right.factors
     weight = np.tile(field.mean_weight, 2)
@@ -166,8 +151,9 @@ def expand_gain(field: PairField, left: Ends, right: Ends) -> Expansion:
     for axis in range(both.shape[1]):
         moment = (fa * (weight * crossed[:, axis])) @ fb.T
         slopes.append(scale * (b.centre[None, :, axis] * centre - moment))
-    low, high = _gain_remainder(field, left, right, weight)
-    return Expansion(centre, tuple(slopes), _halves(a, b), low, high)
+    _, second = _feature_slopes(near, field.model.length)
+    rest = _reach(a, b) * field.norm * np.sqrt(second)
+    return Expansion(centre, tuple(slopes), _halves(a, b), rest, rest)
 
 
 def expand_rest(
@@ -181,28 +167,24 @@ def expand_rest(
     axes = range(a.centre.shape[1])
     step = [pull * (a.centre[:, k, None] - b.centre[None, :, k]) for k in axes]
     slopes = (*(step[k] - slopes_a[k] for k in axes), *(-step[k] - slopes_b[k] for k in axes))
-    reach = 0.5 * ((a.half**2).sum(1)[:, None] + (b.half**2).sum(1)[None, :])
-    t = 2.0 * near**2 / length2
-    decay = np.exp(-t / 2.0)
-    first = (1.0 + np.where(t > 1.0, np.minimum((1.0 + t) * decay, 1.0), 1.0)) / length2
-    fourth = np.where(t > 2.2, np.minimum((3.0 + 6.0 * t + t**2) * decay, 3.0), 3.0)
-    bend = 2.0 * np.sqrt(overlap[1]) * np.sqrt(3.0 + fourth) / length2
-    low, high = reach * bend, reach * (2.0 * first + bend)
+    first, second = _feature_slopes(near, field.model.length)
+    bend = 2.0 * np.sqrt(overlap[1] * second)
+    low, high = _reach(a, b) * bend, _reach(a, b) * (2.0 * first + bend)
     return Expansion(overlap[2] - explained, slopes, _halves(a, b), low, high)
 
 
-def _gain_remainder(
-    field: PairField, left: Ends, right: Ends, weight: Array
-) -> tuple[Array, Array]:
-    """How far S may fall below and rise above its linear bounds."""
-    a, b = left.boxes, right.boxes
-    top_a, bend_a, top_b, bend_b = left.top, left.bend, right.top, right.bend
-    plus, minus = np.maximum(weight, 0.0), np.maximum(-weight, 0.0)
-    reach = (a.half**2).sum(1)[:, None] + (b.half**2).sum(1)[None, :]
-    reach = reach / (2.0 * field.model.length**2)
-    low = (top_a * plus + bend_a * minus) @ top_b.T + (top_a * minus) @ bend_b.T
-    high = (top_a * minus + bend_a * plus) @ top_b.T + (top_a * plus) @ bend_b.T
-    return reach * low, reach * high
+def _reach(a: Boxes, b: Boxes) -> Array:
+    """Half the squared half diagonals (na, nb) [m^2] of pairs of boxes."""
+    return np.asarray(0.5 * ((a.half**2).sum(1)[:, None] + (b.half**2).sum(1)[None, :]))
+
+
+def _feature_slopes(near: Array, length: float) -> tuple[Array, Array]:
+    """Bounds of |phi'|^2 and |phi''|^2 along any direction, from the least distance."""
+    t = 2.0 * near**2 / length**2
+    decay = np.exp(-t / 2.0)
+    first = 1.0 + np.where(t > 1.0, np.minimum((1.0 + t) * decay, 1.0), 1.0)
+    second = 3.0 + np.where(t > 2.2, np.minimum((3.0 + 6.0 * t + t**2) * decay, 3.0), 3.0)
+    return first / length**2, second / length**4
 
 
 def _explained_slopes(
