@@ -7,7 +7,6 @@ guide: the MILP near it decides what it is worth.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +15,7 @@ from stlc.solve.links.problem import Axis, Body, Bools, Floats, Ints, Problem, S
 
 MOST_STATES = 1_500_000
 _INF = np.float32(np.inf)
-_EDGE = 1e-9
+EDGE = 1e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,7 +38,7 @@ def axis_lattice(axis: Axis, parts: int, low: float, high: float, tight: float) 
         positions, at = _positions(axis.start[0], unit, low, high)
         return AxisLattice(positions, np.zeros(1), (at, 0), moves)
     step = axis.jump / parts
-    reach = int(np.floor(most / step + _EDGE))
+    reach = int(np.floor(most / step + EDGE))
     rates = np.asarray(np.arange(-reach, reach + 1) * step, dtype=np.float64)
     positions, at = _positions(axis.start[0], step / 2, low, high)
     moves = tuple(
@@ -51,13 +50,13 @@ def axis_lattice(axis: Axis, parts: int, low: float, high: float, tight: float) 
 
 
 def _positions(start: float, unit: float, low: float, high: float) -> tuple[Floats, int]:
-    below, above = int((start - low) / unit + _EDGE), int((high - start) / unit + _EDGE)
+    below, above = int((start - low) / unit + EDGE), int((high - start) / unit + EDGE)
     return np.asarray(start + np.arange(-below, above + 1) * unit, dtype=np.float64), below
 
 
 def lattice(problem: Problem, body: Body) -> tuple[AxisLattice, AxisLattice] | None:
     """Lattices of both axes, as fine as fits; None where an axis moves in another way."""
-    if any(a.speed is not None and abs(a.blend - 0.5) > _EDGE for a in body.axes):
+    if any(a.speed is not None and abs(a.blend - 0.5) > EDGE for a in body.axes):
         return None
     tight = 0.7 if len(body.faces) and body.axes[0].speed is None else 1.0
     for parts in (2, 1):
@@ -122,13 +121,13 @@ class Lone:
         v, w = self.grids[0].rates, self.grids[1].rates
         fine = np.ones((len(v), len(w)), bool)
         for nx, ny, c in self.body.faces:
-            fine &= nx * v[:, None] + ny * w[None] <= c + _EDGE
+            fine &= nx * v[:, None] + ny * w[None] <= c + EDGE
         return np.where(fine, np.float32(0), _INF)[None, None, :, None, :]
 
     def _inside(self, t: int) -> list[Bools]:
         return [
             np.logical_and.outer(
-                *(_between(g.positions, s) for g, s in zip(self.grids, p.box, strict=True))
+                *(between(g.positions, s) for g, s in zip(self.grids, p.box, strict=True))
             )
             for p in self.body.places
             if p.step == t
@@ -172,128 +171,5 @@ def _before(grid: AxisLattice, axis: Axis, t: int, p: int, rate: int) -> tuple[I
     return np.array(positions), np.array(rates), np.array(costs)
 
 
-def _between(values: Floats, span: Floats) -> Bools:
-    return np.asarray((values >= span[0] - _EDGE) & (values <= span[1] + _EDGE))
-
-
-class Descent:
-    """Coordinate descent: each agent in turn answers the others best."""
-
-    def __init__(self, problem: Problem, stop: Callable[[], bool]) -> None:
-        self.problem, self.stop = problem, stop
-        self.grids = [lattice(problem, body) for body in problem.bodies]
-        self._base: dict[int, Singles] = {}
-
-    @property
-    def possible(self) -> bool:
-        """Whether every agent has a lattice."""
-        return all(g is not None for g in self.grids)
-
-    def run(
-        self, order: Sequence[int], start: Mapping[int, Floats], sweeps: int
-    ) -> dict[int, Floats] | None:
-        """Positions (T+1, 2) of every agent, from those of `start`; None where one finds no run."""
-        runs, values, stale = dict(start), dict[int, float](), 0
-        for _ in range(sweeps):
-            for n in order:
-                if self.stop():
-                    return runs if len(runs) == len(self.problem.bodies) else None
-                found = self.answer(n, {k: p for k, p in runs.items() if k != n})
-                if found is None:
-                    return None
-                same = n in runs and abs(values.get(n, np.inf) - found[0]) < 1e-4
-                stale = stale + 1 if same else 0
-                values[n], runs[n] = found
-                if stale >= len(order):
-                    return runs
-        return runs
-
-    def answer(self, n: int, others: Mapping[int, Floats]) -> tuple[float, Floats] | None:
-        """The best run of agent n against fixed positions of others."""
-        grids = self.grids[n]
-        if grids is None:
-            return None
-        stage = self._own(n).copy()
-        for m, path in others.items():
-            self._add_links(stage, n, m, path)
-            self._add_apart(stage, n, m, path)
-        return Lone(self.problem, self.problem.bodies[n], grids, stage).best()
-
-    def _own(self, n: int) -> Singles:
-        """Stage costs (T+1, nx, ny) without others: ranges, obstacles, stations."""
-        if n in self._base:
-            return self._base[n]
-        grids, body = self.grids[n], self.problem.bodies[n]
-        assert grids is not None
-        x, y = (g.positions for g in grids)
-        stage = np.zeros((self.problem.steps + 1, len(x), len(y)), np.float32)
-        for t in range(1, self.problem.steps + 1):
-            spans = [axis.box[t, :2] for axis in body.axes]
-            fine = np.logical_and.outer(_between(x, spans[0]), _between(y, spans[1]))
-            for group in body.avoid.get(t, ()):
-                some = np.zeros_like(fine)
-                for box in group:
-                    some |= np.logical_and.outer(_between(x, box[0]), _between(y, box[1]))
-                fine &= some
-            stage[t][~fine] = np.inf
-            table = self.problem.alone[n][t]
-            if table is not None:
-                stage[t] += self._least(table, x, y)
-        self._base[n] = stage
-        return stage
-
-    def _least(self, costs: Floats, x: Floats, y: Floats) -> Singles:
-        """(nx, ny): cheapest of the cells that touch each point."""
-        width = self.problem.shape[1]
-        tx, ty = (touching(e, v) for e, v in zip(self.problem.edges, (x, y), strict=True))
-        out = np.full((len(x), len(y)), np.inf, np.float32)
-        for a in tx:
-            for b in ty:
-                out = np.minimum(out, costs[a[:, None] * width + b[None]])
-        return out.astype(np.float32)
-
-    def _add_links(self, stage: Singles, n: int, m: int, path: Floats) -> None:
-        costs = self.problem.pairs.get((min(n, m), max(n, m)))
-        grids = self.grids[n]
-        if costs is None or grids is None:
-            return
-        for t in range(1, self.problem.steps + 1):
-            table = costs[t]
-            if table is None:
-                continue
-            cells = cells_at(self.problem, path[t])
-            row = table[:, cells].min(1) if n < m else table[cells].min(0)
-            stage[t] += self._least(row, grids[0].positions, grids[1].positions)
-
-    def _add_apart(self, stage: Singles, n: int, m: int, path: Floats) -> None:
-        grids = self.grids[n]
-        assert grids is not None
-        x, y = (g.positions for g in grids)
-        for apart in self.problem.apart:
-            if {apart.first, apart.second} != {n, m}:
-                continue
-            own, other = (0, 2) if apart.first == n else (2, 0)
-            fine = np.zeros(stage.shape[1:], bool)
-            for way in apart.ways:
-                rest = way[4] - way[other : other + 2] @ path[apart.step]
-                fine |= way[own] * x[:, None] + way[own + 1] * y[None] >= rest - _EDGE
-            stage[apart.step][~fine] = np.inf
-
-
-def touching(edges: Floats, p: Floats, tolerance: float = 1e-6) -> tuple[Ints, Ints]:
-    """Lowest and highest cell of an axis that touches each p."""
-    last = len(edges) - 2
-    low = np.searchsorted(edges, p - tolerance, side="right") - 1
-    high = np.searchsorted(edges, p + tolerance, side="right") - 1
-    return np.clip(low, 0, last), np.clip(high, 0, last)
-
-
-def cells_at(problem: Problem, point: Floats) -> Ints:
-    """Cells that touch a point (2,)."""
-    spans = [
-        np.unique(np.concatenate(touching(e, point[d : d + 1])))
-        for d, e in enumerate(problem.edges)
-    ]
-    cells = (spans[0][:, None] * problem.shape[1] + spans[1][None]).ravel()
-    known: Ints = cells[problem.owner[cells] >= 0]
-    return known
+def between(values: Floats, span: Floats) -> Bools:
+    return np.asarray((values >= span[0] - EDGE) & (values <= span[1] + EDGE))

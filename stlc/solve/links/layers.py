@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stlc.solve.links.boxes import EPS, AxisGrid, axis_grid, point_grid
-from stlc.solve.links.problem import Body, Bools, Floats, Ints, Problem
+from stlc.solve.links.problem import Axis, Body, Bools, Floats, Ints, Problem
 from stlc.solve.links.reach import Tubes, boxes_meet
 
 MARGIN = 1e-6
@@ -211,3 +211,9 @@ def restrict(layer: Layer, keep: Bools) -> Layer:
         layer.x.take(used_x), layer.y.take(used_y), ix, iy, layer.bit[index],
         layer.cell[index], index,
     )  # fmt: skip
+
+
+def rate_borders(axis: Axis, count: int) -> Floats:
+    """Borders of the bins of an axis's rate: one bin where it has no inertia."""
+    bins = 1 if axis.speed is None else count
+    return np.linspace(axis.box[1:, 2].min(), axis.box[1:, 3].max(), bins + 1)

@@ -15,6 +15,7 @@ import numpy as np
 from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
 from stlc.solve.links.problem import Bools, Floats, Ints, Problem
+from stlc.solve.links.settle import groups_of, settle
 
 _SLACK = 1e-6
 
@@ -51,6 +52,7 @@ class Frame:
         self.compiled, self.problem, self.model = compiled, problem, compiled.model
         self._csc = compiled.model.A.tocsc()
         self.blocks = self._pair_blocks()
+        self._groups = groups_of(compiled)
         starts = {b.name: b.start for b in self.model.row_blocks}
         self.dynamics = [starts[f"dynamics_{b.name}"] for b in problem.bodies]
 
@@ -110,6 +112,7 @@ class Frame:
         if (lower > upper + _SLACK).any():
             return None
         upper = np.maximum(lower, upper)
+        settle(model, self._groups, lower, upper)
         kept = np.flatnonzero(upper > lower)
         gone = upper <= lower
         fixed = np.where(gone, lower, 0.0)

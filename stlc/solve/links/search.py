@@ -15,13 +15,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stlc.solve.links.descent import Descent
 from stlc.solve.links.joint import Joint
-from stlc.solve.links.lattice import Descent
-from stlc.solve.links.layers import Layer, Maker, reach_bits, restrict
-from stlc.solve.links.problem import Axis, Bools, Floats
+from stlc.solve.links.layers import Layer, Maker, rate_borders, reach_bits, restrict
+from stlc.solve.links.problem import Bools, Floats
 from stlc.solve.links.reach import tubes
 from stlc.solve.links.restrict import potentials, relax
 from stlc.solve.links.session import Session
+from stlc.solve.links.shares import stage_cost
 
 COARSE, FINE = 4, 8  # bins of the rate along each axis
 LEAF_PAIRS = 2600  # cell pairs that go to the solver when no choice is left
@@ -67,18 +68,8 @@ class Search:
         bodies = self.problem.bodies
         self.bodies = (bodies[0], bodies[1])
         self.tubes = tuple(tubes(b, self.problem.steps) for b in bodies)
-        self.cost = [self._cost(t) for t in range(1, self.problem.steps + 1)]
+        self.cost = [stage_cost(self.problem, t) for t in range(1, self.problem.steps + 1)]
         self.descent = Descent(self.problem, session.stopped)
-
-    def _cost(self, t: int) -> Floats:
-        n = self.problem.cells
-        out = np.zeros((n, n))
-        table, (first, second) = self.problem.pairs[0, 1][t], self.problem.alone
-        out += 0.0 if table is None else table
-        a, b = first[t], second[t]
-        out += 0.0 if a is None else a[:, None]
-        out += 0.0 if b is None else b[None]
-        return out
 
     def run(self) -> bool:
         """Search; True when the incumbent is proven within the gap."""
@@ -111,7 +102,7 @@ class Search:
 
     def _maker(self, n: int, taken: tuple[int, ...], bins: int) -> Maker:
         body = self.bodies[n]
-        rates = (_bins(body.axes[0], bins), _bins(body.axes[1], bins))
+        rates = (rate_borders(body.axes[0], bins), rate_borders(body.axes[1], bins))
         return Maker(self.problem, body, self.tubes[n], taken, rates)
 
     # -- plans --------------------------------------------------------------------------------
@@ -123,8 +114,7 @@ class Search:
         for order in orders:
             runs = self.descent.run(order, start, 8)
             if runs is not None and not self.session.stopped():
-                paths = [runs[i] for i in range(2)]
-                better |= self.session.near(paths, _MARGIN, 5.0, 1e-3)
+                better |= self.session.follow([runs[i] for i in range(2)], 5.0)
         return better
 
     def _polish(self, rounds: int, seconds: float) -> None:
@@ -286,12 +276,6 @@ class Search:
         rows = (row, node.layers[1]) if n == 0 else (node.layers[0], row)
         taken = (part, node.taken[1]) if n == 0 else (node.taken[0], part)
         return Node(node.bound, rows, taken, masks, node.pi, None, node.bins, node.depth + 1)
-
-
-def _bins(axis: Axis, count: int) -> Floats:
-    """Borders of the bins of an axis's rate: one bin where it has no inertia."""
-    bins = 1 if axis.speed is None else count
-    return np.linspace(axis.box[1:, 2].min(), axis.box[1:, 3].max(), bins + 1)
 
 
 def _centre(layer: Layer, k: int) -> Floats:

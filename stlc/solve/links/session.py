@@ -9,11 +9,19 @@ from dataclasses import replace
 import numpy as np
 
 from stlc.backends.base import Backend, Progress, SolveOptions, Status
-from stlc.solve.links.lattice import cells_at
+from stlc.solve.links.cells import cells_at, cheapest_cells, met
 from stlc.solve.links.problem import Bools, Floats, Problem
 from stlc.solve.links.restrict import Frame
 
+_TOUCH = 1e-6  # m: cells this close count as touched
+_ROOM = 0.3  # of a cell that a plan may be off its guide
 _LONG = 1e9  # s: no limit
+_PROOF: dict[str, object] = {
+    "mip_heuristic_run_root_reduced_cost": False,
+    "mip_heuristic_run_rins": False,
+    "mip_heuristic_run_rens": False,
+}
+"""HiGHS without its sub-MIPs: restricted models mostly hold nothing better than the cutoff."""
 
 
 class Session:
@@ -86,7 +94,7 @@ class Session:
 
         asked = replace(
             self.options, time_limit=max(0.05, min(seconds, self.left)), gap=gap, start=None,
-            on_progress=take,
+            on_progress=take, extra=self._extra(),
         )  # fmt: skip
         cutoff = self.cutoff
         found = self.backend.solve(reduced.model, asked)
@@ -97,25 +105,71 @@ class Session:
             return cutoff
         return -np.inf if found.bound is None else min(found.bound, cutoff)
 
+    def _extra(self) -> dict[str, object]:
+        own = _PROOF if self.backend.name == "highs" else {}
+        return {**own, **self.options.extra}
+
     def near(self, paths: Sequence[Floats], radius: float, seconds: float, gap: float) -> bool:
         """Solve over the cells within `radius` [m] of paths (T+1, 2); True when it improved."""
+        return self._over([self._close(path, radius) for path in paths], None, seconds, gap)
+
+    def follow(self, paths: Sequence[Floats], seconds: float) -> bool:
+        """Make a plan near paths (T+1, 2): in one touched cell a step, one alternative of every
+        choice over time; True when it is an improvement."""
+        chosen = cheapest_cells(self.problem, paths)
+        numbers = np.arange(self.problem.cells)
+        alive = [[numbers == cell for cell in own] for own in chosen]
+        return self._over(alive, paths, seconds, 1e-3)
+
+    def around(self, free: Sequence[int], radius: float, seconds: float, gap: float) -> bool:
+        """Solve with the agents `free` within `radius` [m] of the incumbent, the others in its
+        cells; True when it improved."""
+        paths, cells = self.paths(), self._occupied()
+        alive = [
+            self._close(path, radius) if i in free else cells[i] for i, path in enumerate(paths)
+        ]
+        return self._over(alive, None, seconds, gap)
+
+    def _over(
+        self, alive: Sequence[Sequence[Bools]], paths: Sequence[Floats] | None, seconds: float,
+        gap: float,
+    ) -> bool:  # fmt: skip
+        """Solve over alive[agent][t] (cells,), at `paths` if given."""
         lower, upper = self.frame.bounds()
-        alive = [self._close(path, radius) for path in paths]
-        boxes = self.problem.edges
         for i, own in enumerate(alive):
             for t in range(1, self.problem.steps + 1):
-                ix, iy = np.divmod(np.flatnonzero(own[t]), self.problem.shape[1])
-                box = np.array([
-                    [e[k.min()], e[k.max() + 1], -np.inf, np.inf]
-                    for e, k in zip(boxes, (ix, iy), strict=True)
-                ])  # fmt: skip
+                box = self._hull(own[t])
+                if paths is not None:
+                    room = _ROOM * (box[:, 1] - box[:, 0])
+                    box[:, 0] = np.maximum(box[:, 0], paths[i][t] - room)
+                    box[:, 1] = np.minimum(box[:, 1], paths[i][t] + room)
                 self.frame.confine(lower, upper, i, t, box)
+            if paths is not None:
+                self.frame.choose(upper, i, met(self.problem.bodies[i], paths[i]))
         for i, j in self.problem.pairs:
             both = [np.logical_and.outer(a, b) for a, b in zip(alive[i], alive[j], strict=True)]
             self.frame.keep_pairs(upper, (i, j), both)
         before = self.value
         self.milp(lower, upper, seconds, gap)
         return self.value < before
+
+    def _hull(self, cells: Bools) -> Floats:
+        """(2, 4): the box around some cells, rates free."""
+        axes = np.divmod(np.flatnonzero(cells), self.problem.shape[1])
+        ends = [(e[k.min()], e[k.max() + 1]) for e, k in zip(self.problem.edges, axes, strict=True)]
+        return np.array([[low, high, -np.inf, np.inf] for low, high in ends])
+
+    def _occupied(self) -> list[list[Bools]]:
+        """For each agent and step the cells the incumbent counts as being in."""
+        assert self.x is not None
+        cells = [self._close(path, _TOUCH) for path in self.paths()]
+        for pair, blocks in self.frame.blocks.items():
+            for block in blocks:
+                share = self.x[block.columns]
+                for end, i in enumerate(pair):
+                    own = block.cells[end][int(np.argmax(share.sum(1 - end)))]
+                    cells[i][block.step] = self.problem.owner == own
+        return cells
 
     def _close(self, path: Floats, radius: float) -> list[Bools]:
         """For each step the cells within a radius (per axis) of the path."""

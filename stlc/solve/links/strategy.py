@@ -12,7 +12,9 @@ from stlc.solve.links.recognise import recognise
 from stlc.solve.links.restrict import Frame
 from stlc.solve.links.search import Search
 from stlc.solve.links.session import Session
+from stlc.solve.links.team import Team
 
+_LARGE = 400_000  # columns: more are not given to the solver whole when there is a plan
 _NEEDED = Capability.TIME_LIMIT | Capability.GAP
 
 
@@ -30,8 +32,9 @@ def solve_links(compiled: Compiled, backend: Backend, options: SolveOptions) -> 
     session = Session(Frame(compiled, problem), backend, options)
     if options.start is not None:
         session.offer(options.start)
-    proven = len(problem.bodies) == 2 and Search(session).run()
-    if proven or session.stopped():
+    proven = Search(session).run() if len(problem.bodies) == 2 else Team(session).run()
+    large = session.x is not None and compiled.model.columns > _LARGE
+    if proven or large or session.stopped():
         return _answer(session, proven)
     return _finish(session)
 

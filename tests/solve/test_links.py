@@ -1,0 +1,83 @@
+"""The search for link costs against the plain MILP: one optimum, no bound above it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from support.link_missions import Variant, write_mission
+
+from stlc import Mission, backends
+from stlc.backends.base import Progress, SolveOptions, Status
+from stlc.errors import InfeasibleError
+from stlc.milp.compile import Compiled, compile_mission
+from stlc.solve.certify import certify
+from stlc.solve.links.recognise import recognise
+from stlc.solve.links.strategy import solve_links
+from stlc.verify import verify
+
+FULL = os.environ.get("HYPOTHESIS_PROFILE") == "full"
+VARIANTS = {
+    "double": Variant(steps=4),
+    "halves": Variant(dt=0.5, steps=4),
+    "fine": Variant(cells=5, steps=4),
+    "single": Variant(single=True, steps=4),
+    "three": Variant(agents=3, steps=4, cells=3),
+    "station": Variant(station=True, steps=4),
+    "until": Variant(extra="a0 in west until[1, 4] a1 in east", steps=4),
+    "linked": Variant(extra="always[2, 4] link_cost(radio, (a0, a1)) <= 5", steps=4),
+}
+SEEDS = range(8 if FULL else 3)
+"""8 variants by 8 seeds; 24 missions in the reduced profile."""
+
+
+def _compiled(folder: Path, seed: int, variant: Variant) -> Compiled:
+    try:
+        return compile_mission(write_mission(folder, seed, variant))
+    except InfeasibleError:
+        return _compiled(folder, seed + 1000, variant)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("name", VARIANTS)
+def test_same_optimum_as_the_plain_milp(name: str, seed: int, tmp_path: Path) -> None:
+    compiled = _compiled(tmp_path, seed, VARIANTS[name])
+    backend, seen = backends.get("highs"), list[Progress]()
+    plain = backend.solve(compiled.model, SolveOptions(gap=1e-6))
+    found = solve_links(compiled, backend, SolveOptions(gap=1e-6, on_progress=seen.append))
+    assert found is not None
+    assert found.status is plain.status
+    if plain.objective is None:
+        return
+    assert found.objective == pytest.approx(plain.objective, rel=3e-6, abs=2e-6)
+    slack = 2e-6 * max(1.0, abs(plain.objective))
+    assert all(p.bound is None or p.bound <= plain.objective + slack for p in seen)
+    assert _verified(compiled.mission, compiled, found)
+
+
+def _verified(mission: Mission, compiled: Compiled, found: object) -> bool:
+    from stlc.backends.base import Solution
+    from stlc.plan import SolveInfo, make_plan
+
+    assert isinstance(found, Solution)
+    point = certify(compiled.model, found)
+    assert point.status is Status.OPTIMAL
+    assert point.x is not None
+    run = compiled.decode(point.x)
+    info = SolveInfo("optimal", point.objective, point.bound, point.gap, "highs", "", "auto")
+    return verify(mission, make_plan(mission, run.states, run.inputs, info)).ok
+
+
+def test_plain_missions_are_left_alone(tmp_path: Path) -> None:
+    path = tmp_path / "lonely.stl"
+    path.write_text(
+        "step 1 s\nhorizon 3\nworkspace box [0, 5] x [0, 5]\n"
+        "agent a : double_integrator { start (1, 1); control |u| <= 1 }\n"
+        "region home = box [1, 2] x [1, 2]\n"
+        "require go: eventually[1, 3] a in home\nminimize effort\n",
+        encoding="utf-8",
+    )
+    compiled = compile_mission(Mission.from_file(path))
+    assert recognise(compiled) is None
+    assert solve_links(compiled, backends.get("highs"), SolveOptions()) is None
