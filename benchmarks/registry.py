@@ -67,12 +67,12 @@ TEAMS = Suite(
     "teams",
     "2 to 6 agents that change sides: alone, paying for every link, always connected",
     (
-        *(_made("teams", f"team_{n}", "team", "agents", n <= 3, agents=n, steps=10)
+        *(_made("teams", f"team_{n}", "team", "agents", n <= 2, agents=n, steps=7)
           for n in range(2, 7)),
         *(_made("teams", f"radio_team_{n}", "radio_team", "agents", n <= 2,
-                agents=n, steps=8, cells=5) for n in range(2, 7)),
+                agents=n, steps=7, cells=5) for n in range(2, 7)),
         *(_made("teams", f"connected_team_{n}", "connected_team", "agents", n <= 2,
-                agents=n, steps=8, cells=5) for n in range(2, 7)),
+                agents=n, steps=7, cells=5) for n in range(2, 7)),
     ),
 )  # fmt: skip
 

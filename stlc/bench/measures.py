@@ -22,7 +22,11 @@ def shifted_geometric_mean(values: Iterable[float], shift: float = SHIFT) -> flo
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """One configuration over a suite. Ratios are to the reference, on the problems both have."""
+    """One configuration over a suite. Ratios are to the reference, on the problems both have.
+
+    `geometric` and `worst` leave out problems that neither solved: two time limits say nothing.
+    Where one of the two was solved, a ratio is a bound.
+    """
 
     label: str
     problems: int
@@ -42,7 +46,8 @@ def summaries(table: Table) -> list[Summary]:
 def _summary(table: Table, label: str) -> Summary:
     mine, reference = table.of(label), table.of(table.labels[0])
     common = [problem for problem in mine if problem in reference]
-    ratios = [time_ratio(mine[p], reference[p]) for p in common]
+    told = [p for p in common if mine[p].solved or reference[p].solved]
+    ratios = [time_ratio(mine[p], reference[p]) for p in told]
     means = [
         shifted_geometric_mean(side[p].seconds for p in common) if common else math.nan
         for side in (mine, reference)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from html import escape
 from importlib.resources import files
 
+from stlc.bench.about import about, commands
 from stlc.bench.compare import Change
 from stlc.bench.groups import Group, Table, disagreements, groups_of, tables_of
 from stlc.bench.html import Cell, number, table
@@ -63,26 +64,11 @@ _NOTES = (
 
 
 def _header(runs: Sequence[Record]) -> str:
-    def listed(values: Iterable[str]) -> list[str]:
-        return sorted({value for value in values if value})
-
-    dates = [run.finished for run in runs]
-    codes = listed(run.code for run in runs)
-    loads = [run.load for run in runs if run.load is not None]
-    lines = [
-        f"{len(runs)} runs, {min(dates)[:16]} to {max(dates)[:16]} UTC"
-        + (f"; load average {min(loads):.1f} to {max(loads):.1f}" if loads else ""),
-        *listed(run.processor for run in runs),
-        *listed(run.versions for run in runs),
-        f"sources {', '.join(codes)}"
-        + (": several versions, compare with care" if len(codes) > 1 else ""),
-    ]
-    commands = [f"<p><code>{escape(c)}</code></p>" for c in listed(run.command for run in runs)]
-    about = [f"<p>{escape(line)}</p>" for line in lines]
+    lines = [f"<p>{escape(line)}</p>" for line in about(runs)]
+    lines += [f"<p><code>{escape(command)}</code></p>" for command in commands(runs)[:8]]
     return "\n".join(
-        ['<header><div class="wide">', "<h1>stlc benchmarks</h1>", *about, *commands[:8],
-         "</div></header>"]
-    )  # fmt: skip
+        ['<header><div class="wide">', "<h1>stlc benchmarks</h1>", *lines, "</div></header>"]
+    )
 
 
 def _nav(tables: Sequence[Table], compared: bool) -> str:

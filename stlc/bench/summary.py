@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from stlc.bench.about import about, commands
 from stlc.bench.compare import Change
 from stlc.bench.groups import Group, Table, disagreements, groups_of, tables_of
 from stlc.bench.measures import Summary, summaries
@@ -11,8 +12,11 @@ from stlc.bench.record import Record
 
 
 def summary_text(records: Sequence[Record]) -> str:
-    """A few lines for each suite: problems by configuration, then the means."""
-    return "\n\n".join(_suite(table) for table in tables_of(groups_of(records)))
+    """Machine and commands; for each suite its problems by configuration, then the means."""
+    groups = groups_of(records)
+    used = [run for group in groups for run in group.runs]
+    head = "\n".join([*about(used), *commands(used)])
+    return "\n\n".join([head, *(_suite(table) for table in tables_of(groups))])
 
 
 def _suite(table: Table) -> str:
@@ -22,7 +26,7 @@ def _suite(table: Table) -> str:
     ]
     for problem, row in table.rows.items():
         cells = "".join(f"{_cell(row.get(label)):>24}" for label in table.labels)
-        lines.append(f"{problem[:32]:32}{cells}")
+        lines.append(f"{problem[:32]:32}{cells}".rstrip())
     lines += [_line(one) for one in summaries(table)]
     lines += [f"DISAGREEMENT {text}" for text in disagreements(table)]
     return "\n".join(lines)

@@ -44,6 +44,14 @@ def test_ratios_medians_and_limits() -> None:
     assert literal.worst == pytest.approx(5.0)
 
 
+def test_two_time_limits_say_nothing() -> None:
+    runs = [record("p", "auto", None), record("p", "log", None)]
+    runs += [record("q", "auto", 1.0), record("q", "log", 3.0)]
+    (table,) = tables_of(groups_of(runs))
+    log = summaries(table)[1]
+    assert (log.problems, log.solved, log.geometric) == (2, 1, pytest.approx(3.0))
+
+
 def test_profile_and_cactus() -> None:
     runs = [record("p", "auto", 1.0), record("p", "log", 2.0)]
     runs += [record("q", "auto", None), record("q", "log", 3.0)]

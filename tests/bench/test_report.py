@@ -62,6 +62,8 @@ def test_the_page_is_well_formed_and_needs_nothing_else() -> None:
 def test_the_summary_names_ratios_and_disagreements() -> None:
     runs = [record("p", "auto", 1.0), record("p", "literal", 8.0, objective=2.0)]
     text = summary_text(runs)
+    assert text.startswith("2 runs, 2026-01-01T00:00")
+    assert "limits: 10 s, gap 0.0001, 1 thread" in text
     assert "8.00 times the reference" in text
     assert "DISAGREEMENT p: auto proves 1, literal proves 2" in text
 
