@@ -12,7 +12,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import cast
 
 from stlc.backends.base import Backend
-from stlc.errors import SolverError
+from stlc.errors import SolverError, UsageError
 
 _BUILT_IN = {
     "highs": "highs:Highs",
@@ -34,7 +34,8 @@ def names() -> tuple[str, ...]:
 
 
 def get(name: str) -> Backend:
-    """The backend of that name; SolverError for an unknown name or a plugin that cannot load."""
+    """The backend of that name; UsageError for an unknown name, SolverError for a plugin that
+    cannot load."""
     name = _ALIASES.get(name, name)
     if name in map(_external_name, _EXTERNAL):
         from stlc.backends.external import external
@@ -45,8 +46,17 @@ def get(name: str) -> Backend:
         return cast(Backend, getattr(import_module(f"{__name__}.{module}"), attribute)())
     plugin = _plugins().get(name)
     if plugin is None:
-        raise SolverError(f"there is no backend '{name}'; known: {', '.join(names())}")
+        raise _unknown(name)
     return _load(plugin)
+
+
+def _unknown(name: str) -> UsageError:
+    from difflib import get_close_matches
+
+    known = names()
+    near = get_close_matches(name, known, 1)
+    hint = f"did you mean '{near[0]}'? known" if near else "known"
+    return UsageError(f"there is no backend '{name}'; {hint}: {', '.join(known)}")
 
 
 def _external_name(template: str) -> str:

@@ -11,6 +11,7 @@
 | 6 | `verify`: the plan violates the mission |
 | 70 | our own disagreement: encoder and verifier differ |
 | 74 | an output could not be written (disk full, no permission) |
+| 130 | interrupted before there was a plan |
 """
 
 from __future__ import annotations
@@ -51,6 +52,12 @@ class NoPlanError(StlcError):
     """The limits were reached with no certified plan in hand."""
 
     exit_status = 4
+
+
+class InterruptedSolveError(NoPlanError):
+    """Somebody asked to stop before there was a certified plan."""
+
+    exit_status = 130
 
 
 class SolverError(StlcError):

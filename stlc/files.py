@@ -35,6 +35,22 @@ def write_atomic(path: str | os.PathLike[str], data: bytes | str) -> None:
         stream.write(data.encode() if isinstance(data, str) else data)
 
 
+def check_writable(path: str | os.PathLike[str]) -> None:
+    """OutputError when `path` cannot be written now; nothing is left behind."""
+    target = Path(path)
+    if target.exists() and not target.is_file() and not target.is_dir():
+        return
+    final = Path(os.path.realpath(target))
+    try:
+        if final.is_dir():
+            raise IsADirectoryError(errno.EISDIR, "is a folder")
+        temporary = final.with_name(f".stlc-{secrets.token_hex(8)}.tmp")
+        temporary.touch(exist_ok=False)
+        temporary.unlink()
+    except OSError as error:
+        raise OutputError(f"cannot write {target}: {_reason(target, error)}") from error
+
+
 @contextmanager
 def atomic_output(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     """A binary stream whose contents become `path` when the block ends without an exception.

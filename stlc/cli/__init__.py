@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import sys
 from typing import Any
 
 import click
@@ -59,5 +58,6 @@ def cli() -> None:
 def main() -> None:
     """Entry point: runs the command and turns every error into a message and an exit status."""
     from stlc.cli.common import run_guarded
+    from stlc.cli.interrupt import leave
 
-    sys.exit(run_guarded(cli))
+    leave(run_guarded(cli))

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stlc.cli.common import INTERRUPTED, interruptible
+from stlc.cli.common import INTERRUPTED
+from stlc.cli.interrupt import interruptible
 
 if TYPE_CHECKING:
     from stlc.bench.job import Job

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import os
-import signal
 import sys
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -114,20 +113,43 @@ def load(file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...]) -> M
     return mission
 
 
-@contextmanager
-def interruptible() -> Iterator[Callable[[], bool]]:
-    """Ctrl-C and SIGTERM ask the solver to stop; a second one ends at once."""
-    asked = False
+def solver_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """`--option NAME=VALUE`, the solver's own options."""
+    text = "An option of the solver itself, such as mip_heuristic_effort=0.1; see `stlc backends`."
+    return click.option("--option", multiple=True, metavar="NAME=VALUE", help=text)(command)
 
-    def ask(number: int, frame: object) -> None:
-        nonlocal asked
-        if asked:
-            raise KeyboardInterrupt
-        asked = True
 
-    before = {n: signal.signal(n, ask) for n in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield lambda: asked
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+def parse_solver_options(option: tuple[str, ...]) -> dict[str, object]:
+    """`NAME=VALUE` pairs; a value is a number or true/false where it reads like one."""
+    pairs: dict[str, object] = {}
+    for item in option:
+        name, sign, value = item.partition("=")
+        if not sign or not name.strip():
+            raise click.UsageError(f"--option takes NAME=VALUE, not {item!r}")
+        pairs[name.strip()] = _value(value.strip())
+    return pairs
+
+
+def _value(text: str) -> object:
+    if text.lower() in ("true", "false"):
+        return text.lower() == "true"
+    for kind in (int, float):
+        with suppress(ValueError):
+            return kind(text)
+    return text
+
+
+def check_outputs(*paths: Path | None) -> None:
+    """OutputError now rather than after an hour of solving, where a file cannot be written."""
+    from stlc.files import check_writable
+
+    for path in paths:
+        if path is not None:
+            check_writable(path)
+
+
+def plain(value: float | None) -> str:
+    """A number for people: six digits, and 0 for what is rounding."""
+    if value is None:
+        return "-"
+    return format(0.0 if abs(value) < 1e-9 else value, ".6g")

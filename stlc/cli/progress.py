@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 
 import click
@@ -49,7 +50,9 @@ def _line(event: Event, /) -> None:
         case DiagnosticEvent():
             click.echo(f"{_CLEAR}{event.severity}: {event.message}", err=True)
             return
-    click.echo(_CLEAR + text[:110], err=True, nl=isinstance(event, StatisticsEvent))
+    width = shutil.get_terminal_size().columns - 1
+    last = isinstance(event, StatusEvent) and event.stage in ("done", "explain", "stop")
+    click.echo(_CLEAR + text[:width], err=True, nl=last or isinstance(event, StatisticsEvent))
 
 
 def _progress_text(event: ProgressEvent) -> str:

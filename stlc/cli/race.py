@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stlc.cli.common import interruptible, load, mission_options
+from stlc.cli.common import load, mission_options
+from stlc.cli.interrupt import interruptible
 from stlc.cli.progress import listener
 from stlc.errors import DisagreementError, InfeasibleError, NoPlanError
 from stlc.solve.events import Listener, ProgressEvent, StatusEvent

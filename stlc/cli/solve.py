@@ -8,11 +8,26 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stlc.cli.common import interruptible, load, mission_options
+from stlc.cli.common import (
+    check_outputs,
+    complain,
+    load,
+    mission_options,
+    parse_solver_options,
+    plain,
+    solver_options,
+)
+from stlc.cli.interrupt import interruptible
 from stlc.cli.progress import listener
+from stlc.errors import InfeasibleError
 
 if TYPE_CHECKING:
-    from stlc.solve.driver import Outcome
+    from stlc.mission import Mission
+    from stlc.solve.driver import Outcome, SolveSettings
+    from stlc.solve.events import Listener
+
+_GRACE = 0.4  # s that a solver may overrun its limit, or Ctrl-C, before it is left behind
+_EXPLAIN = 20.0  # s for all solves that look for a conflict
 
 
 @click.command("solve")
@@ -28,6 +43,8 @@ if TYPE_CHECKING:
 @click.option("--seed", type=click.IntRange(min=0))
 @click.option("--start", type=click.Path(path_type=Path), help="A plan to start from.")
 @click.option("--shift", type=click.IntRange(min=0), default=0, help="Shift the start by steps.")
+@solver_options
+@click.option("--no-explain", is_flag=True, help="Don't look for what conflicts if infeasible.")
 @click.option("--confirm", is_flag=True, help="Have a second solver confirm optimality.")
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="plan.json, kept up to date.")
 @click.option("--csv", "csv_path", type=click.Path(path_type=Path), help="Waypoints as CSV.")
@@ -37,41 +54,68 @@ if TYPE_CHECKING:
 def solve_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...],
                   **words: Any) -> int:  # fmt: skip
     """Plan the mission in FILE; the plan is certified and verified before anybody sees it."""
-    from stlc.solve.driver import solve_mission
-
     mission = load(file, define, allow_path)
     settings = _settings(mission, words)
+    check_outputs(words["output"], words["csv_path"])
+    tell = listener(words["style"])
     with interruptible() as stop:
-        outcome = solve_mission(mission, settings, listener(words["style"]), stop)
+        try:
+            outcome = _solve(mission, settings, tell, stop)
+        except InfeasibleError as error:
+            if words["no_explain"]:
+                raise
+            complain(str(error))
+            return _explain(mission, settings, tell)
+    click.echo(json.dumps(outcome.as_dict(), indent=2) if words["as_json"] else _summary(outcome))
     if words["csv_path"]:
         outcome.plan.write_csv(words["csv_path"])
-    click.echo(json.dumps(outcome.as_dict(), indent=2) if words["as_json"] else _summary(outcome))
     return 0
 
 
-def _settings(mission: Any, words: dict[str, Any]) -> Any:
+def _solve(mission: Mission, settings: SolveSettings, tell: Listener, stop: Any) -> Outcome:
+    from stlc.solve.driver import solve_mission
+
+    return solve_mission(mission, settings, tell, stop)
+
+
+def _explain(mission: Mission, settings: SolveSettings, tell: Listener) -> int:
+    """Which lines conflict, as far as a bounded time tells."""
+    from stlc.cli.explain import show_conflict
+    from stlc.solve.events import StatusEvent
+
+    tell(StatusEvent("explain", "looking for the requirements that conflict"))
+    show_conflict(mission, settings.backend, _EXPLAIN)
+    return InfeasibleError.exit_status
+
+
+def _settings(mission: Mission, words: dict[str, Any]) -> SolveSettings:
     from stlc.milp.encodings import compile_options
     from stlc.plan import read_plan, shifted
     from stlc.solve.driver import SolveSettings
 
     start = read_plan(words["start"]) if words["start"] else None
+    if words["shift"] and start is None:
+        raise click.UsageError("--shift needs --start")
     if start is not None and words["shift"]:
         start = shifted(start, words["shift"], mission.agents)
     options = compile_options(words["encoding"], words["disable"])
     return SolveSettings(
         words["backend"], options, words["strategy"], words["time_limit"], words["gap"],
         words["threads"], words["seed"], start, words["confirm"], words["output"],
+        parse_solver_options(words["option"]), _GRACE,
     )  # fmt: skip
 
 
 def _summary(outcome: Outcome) -> str:
     info = outcome.plan.solve
     gap = "" if info.gap is None else f", gap {info.gap:.2%}"
-    bound = "" if info.bound is None else f", bound {info.bound:.6g}"
-    lines = [f"{info.status}: objective {info.objective:.6g}{bound}{gap}  ({info.solver})"]
+    bound = "" if info.bound is None else f", bound {plain(info.bound)}"
+    lines = [f"{info.status}: objective {plain(info.objective)}{bound}{gap}  ({info.solver})"]
     lines += [
-        f"  {r.name:20} robustness {'-' if r.robustness is None else format(r.robustness, '.6g')}"
+        f"  {r.name:20} robustness {'-' if r.robustness is None else plain(r.robustness)}"
         for r in outcome.plan.requirements
     ]
+    if outcome.confirmation is not None:
+        lines.append(f"  second solver: {outcome.confirmation}")
     took = ", ".join(f"{k} {v:.2f} s" for k, v in outcome.seconds.items())
     return "\n".join([*lines, f"  certified and verified; {took}"])

@@ -14,17 +14,25 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stlc import backends
-from stlc.backends.base import Backend, Floats, Progress, Solution, SolveOptions, Status
-from stlc.errors import DisagreementError, InfeasibleError, NoPlanError, SolverError
+from stlc.backends.base import Backend, Capability, Progress, Solution, SolveOptions, Status
+from stlc.backends.support import require
+from stlc.errors import (
+    DisagreementError,
+    InfeasibleError,
+    InterruptedSolveError,
+    NoPlanError,
+    SolverError,
+)
 from stlc.solve.events import (
     DiagnosticEvent,
     Listener,
     ProgressEvent,
-    SolutionEvent,
     StatisticsEvent,
     StatusEvent,
     ignore,
 )
+from stlc.solve.keeper import Keeper
+from stlc.solve.supervise import Supervisor
 
 if TYPE_CHECKING:
     from stlc.milp.compile import Compiled, CompileOptions
@@ -32,13 +40,17 @@ if TYPE_CHECKING:
     from stlc.plan import Plan
     from stlc.verify import Report
 
+_OPINION = 60.0  # s that a second solver may take at least to confirm an infeasible claim
+
 
 @dataclass(frozen=True, slots=True)
 class SolveSettings:
     """How to solve. Limits in seconds, gap relative; the same words for every backend.
 
     `strategy` "auto" may bound and search ahead of the solver, "milp" is one plain solve.
-    `save_to` is kept up to date with the best verified plan while the solver works.
+    `save_to` is kept up to date with the best verified plan while the solver works. `grace` [s]
+    is what a solver may overrun its time limit, or a wish to stop, before it is left behind in its
+    thread; None waits for it.
     """
 
     backend: str = "highs"
@@ -52,6 +64,7 @@ class SolveSettings:
     confirm: bool = False
     save_to: Path | None = None
     extra: dict[str, object] = field(default_factory=dict)
+    grace: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,25 +110,25 @@ def solve_mission(
 ) -> Outcome:
     """Plan a mission.
 
-    Raises InfeasibleError (confirmed by a second solver), NoPlanError at a limit with nothing in
-    hand, SolverError when the solver is missing, fails or its answer is refused, and
-    DisagreementError when the verifier refuses what the Model accepts.
+    `listen` and `should_stop` are called in this thread. When `should_stop` says so, and on
+    KeyboardInterrupt, the best plan so far is the outcome. Raises InfeasibleError (confirmed by a
+    second solver), NoPlanError at a limit with nothing in hand, InterruptedSolveError when stopped
+    with nothing in hand, SolverError when the solver is missing, fails or its answer is refused,
+    and DisagreementError when the verifier refuses what the Model accepts.
     """
     from stlc.milp.compile import compile_mission
     from stlc.milp.encodings import encoding_label
 
     settings = settings or SolveSettings()
     backend = backends.get(settings.backend)
+    require(backend)
     began = time.perf_counter()
     listen(StatusEvent("compile", mission.source.name))
     compiled = compile_mission(mission, settings.compile)
     now = time.perf_counter()
     label = encoding_label(settings.compile)
     job = _Job(mission, settings, compiled, backend, listen, should_stop, now, label)
-    listen(job.statistics())
-    solution = job.solve()
-    took = {"compile": now - began, "solve": time.perf_counter() - now}
-    return job.conclude(solution, took)
+    return job.run(now - began)
 
 
 def judge_point(
@@ -148,7 +161,7 @@ def judge_point(
 
 @dataclass(slots=True)
 class _Job:
-    """One solve under way, with the cost of the best verified plan so far."""
+    """One solve under way."""
 
     mission: Mission
     settings: SolveSettings
@@ -158,36 +171,74 @@ class _Job:
     should_stop: Callable[[], bool] | None
     began: float
     encoding: str
-    best: float = float("inf")
+    keeper: Keeper = field(init=False)
+    _stopped: bool = False
 
-    def statistics(self) -> StatisticsEvent:
-        """Sizes of the model."""
+    def __post_init__(self) -> None:
+        self.keeper = Keeper(
+            self._judge, self.listen, self.backend.name, self.backend.version(),
+            self.settings.save_to, self.began,
+        )  # fmt: skip
+
+    def run(self, compile_seconds: float) -> Outcome:
+        """Solve and conclude; whoever interrupts gets the best verified plan so far."""
+        self.listen(self._statistics())
+        try:
+            solution = self._solve()
+            took = {"compile": compile_seconds, "solve": time.perf_counter() - self.began}
+            if solution is not None and not self._is_kept(solution):
+                return self._conclude(solution, took)
+        except KeyboardInterrupt:
+            self._stopped = True
+        took = {"compile": compile_seconds, "solve": time.perf_counter() - self.began}
+        return self._stand(took)
+
+    def _statistics(self) -> StatisticsEvent:
         m = self.compiled.model
         return StatisticsEvent(m.columns, m.binaries, m.rows, m.nonzeros, self.encoding)
 
-    def solve(self) -> Solution:
-        """Run the strategy; its claims are not yet believed."""
+    def _solve(self) -> Solution | None:
+        """Run the strategy; its claims are not yet believed. None when it was left behind."""
         from stlc.solve.strategy import run_strategy
 
         self.listen(StatusEvent("solve", self.backend.version()))
-        solution = run_strategy(self.settings.strategy, self.compiled, self.backend, self.options())
-        for name in solution.ignored:
-            if name not in ("on_progress", "should_stop"):
-                text = f"{solution.solver} can't honour `{name}`; it was left out"
-                self.listen(DiagnosticEvent("warning", text))
+        if self.settings.save_to and not Capability.INCUMBENTS & self.backend.capabilities:
+            text = f"{self.backend.name} hands over no plan before it ends"
+            self.listen(DiagnosticEvent("note", f"{text}: none can be saved on the way"))
+        name, compiled, backend = self.settings.strategy, self.compiled, self.backend
+        supervisor = Supervisor(
+            lambda asked: run_strategy(name, compiled, backend, asked), self._options(),
+            self.settings.grace,
+        )  # fmt: skip
+        try:
+            solution = supervisor.run()
+        finally:
+            self._stopped = supervisor.stopped
+        self._report_ignored(solution)
         return solution
 
-    def options(self) -> SolveOptions:
+    def _report_ignored(self, solution: Solution | None) -> None:
+        for name in solution.ignored if solution is not None else ():
+            if name not in ("on_progress", "should_stop"):
+                text = f"{self.backend.name} can't honour `{name}`; it was left out"
+                self.listen(DiagnosticEvent("warning", text))
+
+    def _options(self) -> SolveOptions:
         """The settings in the backends' words; a start plan is completed to a point."""
         from stlc.solve.start import complete_start
 
         s = self.settings
         start = None if s.start is None else complete_start(self.compiled, s.start)
-        if s.start is not None and start is None:
+        if start is not None:
+            self.keeper.take(start, self.compiled.model.objective(start))
+        elif s.start is not None:
             text = "the start plan is no plan for this mission; it was left out"
             self.listen(DiagnosticEvent("warning", text))
+        left = s.time_limit
+        if left is not None:
+            left = max(left - (time.perf_counter() - self.began), 0.01)
         return SolveOptions(
-            s.time_limit, s.gap, s.threads, s.seed, start, self._on_progress, self.should_stop,
+            left, s.gap, s.threads, s.seed, start, self._on_progress, self.should_stop,
             dict(s.extra),
         )  # fmt: skip
 
@@ -195,38 +246,42 @@ class _Job:
         seconds = time.perf_counter() - self.began
         where = (progress.objective, progress.bound, progress.gap, progress.nodes)
         self.listen(ProgressEvent(seconds, *where))
+        self.keeper.raise_bound(progress.bound)
         if progress.incumbent is not None:
-            self._keep(progress.incumbent, progress.bound, seconds)
+            x = progress.incumbent
+            self.keeper.take(x, self.compiled.model.objective(x))
 
-    def _keep(self, x: Floats, bound: float | None, seconds: float) -> None:
-        """Certify, verify and save an incumbent while the solver goes on."""
-        objective = self.compiled.model.objective(x)
-        if self.settings.save_to is None or objective >= self.best:
-            return
-        claim = Solution(
-            Status.FEASIBLE, x, objective, bound, seconds=seconds, solver=self.backend.name,
-            solver_version=self.backend.version(),
-        )  # fmt: skip
-        try:
-            plan, report = self._judge(claim)
-        except SolverError:
-            return  # refused by certification: simply not kept; the final answer is judged aloud
-        if not report.ok:
-            return
-        self.best = objective
-        plan.write(self.settings.save_to)
-        self.listen(SolutionEvent(seconds, objective, str(self.settings.save_to)))
+    def _is_kept(self, solution: Solution) -> bool:
+        """Stopped early, with nothing better than what was verified and saved already?"""
+        if solution.status is Status.NO_SOLUTION:
+            return self._stopped or self.keeper.plan is not None
+        worse = solution.objective is not None and solution.objective >= self.keeper.objective
+        return solution.status is Status.FEASIBLE and worse
+
+    def _stand(self, took: dict[str, float]) -> Outcome:
+        """What is in hand when the solver ended early or was left behind."""
+        standing = self.keeper.standing()
+        if self._stopped:
+            self.listen(StatusEvent("stop", "interrupted"))
+        if standing is None:
+            bound = _bound_text(self.keeper.bound)
+            if self._stopped:
+                raise InterruptedSolveError(f"interrupted before a plan was found{bound}")
+            raise NoPlanError(_no_plan(self.settings, self.backend.version(), self.keeper.bound))
+        plan, report, solution = standing
+        plan = replace(plan, solve=replace(plan.solve, seconds=took))
+        return self._hand_over(Outcome(plan, report, self.compiled, solution, took))
 
     def _judge(self, solution: Solution, asked: SolveOptions | None = None) -> tuple[Plan, Report]:
         return judge_point(self.mission, self.compiled, solution, asked, self.encoding)
 
-    def conclude(self, solution: Solution, seconds: dict[str, float]) -> Outcome:
+    def _conclude(self, solution: Solution, seconds: dict[str, float]) -> Outcome:
         """Turn the solver's claim into a certified plan, or into the error that fits."""
         match solution.status:
             case Status.INFEASIBLE:
                 raise self._infeasible(solution)
             case Status.NO_SOLUTION:
-                raise NoPlanError(_no_plan(self.settings, solution))
+                raise NoPlanError(_no_plan(self.settings, solution.solver_version, solution.bound))
             case Status.UNBOUNDED | Status.FAILED:
                 text = f"{solution.solver_version} ended with '{solution.status.value}'"
                 raise SolverError(f"{text}: {solution.message}" if solution.message else text)
@@ -236,7 +291,7 @@ class _Job:
     def _finish(self, solution: Solution, seconds: dict[str, float]) -> Outcome:
         began = time.perf_counter()
         self.listen(StatusEvent("verify", "certifying the point, verifying the plan"))
-        plan, report = self._judge(solution, self.options_asked())
+        plan, report = self._judge(solution, self._options_asked())
         seconds = {**seconds, "verify": time.perf_counter() - began}
         if not report.ok:
             raise DisagreementError(
@@ -247,12 +302,17 @@ class _Job:
             self.listen(DiagnosticEvent("warning", warning))
         plan = replace(plan, solve=replace(plan.solve, seconds=seconds))
         confirmation = self._confirm(solution) if self.settings.confirm else None
-        if self.settings.save_to is not None:
-            plan.write(self.settings.save_to)
-        self.listen(StatusEvent("done", plan.solve.status))
-        return Outcome(plan, report, self.compiled, solution, seconds, confirmation)
+        return self._hand_over(
+            Outcome(plan, report, self.compiled, solution, seconds, confirmation)
+        )
 
-    def options_asked(self) -> SolveOptions:
+    def _hand_over(self, outcome: Outcome) -> Outcome:
+        if self.settings.save_to is not None:
+            outcome.plan.write(self.settings.save_to)
+        self.listen(StatusEvent("done", outcome.plan.solve.status))
+        return outcome
+
+    def _options_asked(self) -> SolveOptions:
         """Limits and gap alone: what a claim is held against."""
         s = self.settings
         return SolveOptions(s.time_limit, s.gap, s.threads, s.seed)
@@ -260,21 +320,26 @@ class _Job:
     def _confirm(self, solution: Solution) -> str:
         from stlc.solve.certify import certify, confirm_optimal, second_opinion
 
-        second = second_opinion(solution.solver)
+        second = second_opinion(self.backend.name)
         if second is None:
             return "no second solver is installed"
-        asked = self.options_asked()
+        asked = self._options_asked()
         first = certify(self.compiled.model, solution, options=asked)
         return str(confirm_optimal(self.compiled.model, first, second, asked))
 
     def _infeasible(self, solution: Solution) -> Exception:
         from stlc.solve.certify import confirm_infeasible
 
-        confirmed = confirm_infeasible(self.compiled.model, solution)
+        limit = self.settings.time_limit or max(_OPINION, 2 * solution.seconds)
+        asked = replace(self._options_asked(), time_limit=limit)
+        confirmed = confirm_infeasible(self.compiled.model, solution, options=asked)
         return InfeasibleError(f"no run satisfies the mission ({confirmed})")
 
 
-def _no_plan(settings: SolveSettings, solution: Solution) -> str:
+def _no_plan(settings: SolveSettings, solver: str, bound: float | None) -> str:
     limit = "" if settings.time_limit is None else f" within {settings.time_limit:g} s"
-    bound = "" if solution.bound is None else f"; no plan can cost less than {solution.bound:.6g}"
-    return f"{solution.solver_version} found no plan{limit}{bound}"
+    return f"{solver} found no plan{limit}{_bound_text(bound)}"
+
+
+def _bound_text(bound: float | None) -> str:
+    return "" if bound is None else f"; no plan can cost less than {bound:.6g}"

@@ -35,7 +35,7 @@ class SolutionEvent:
 
 @dataclass(frozen=True, slots=True)
 class StatusEvent:
-    """A stage began or ended: compile, solve, certify, verify, done."""
+    """A stage began or ended: compile, solve, explain, verify, stop, done."""
 
     event: ClassVar[str] = "status"
     stage: str
@@ -56,7 +56,7 @@ class StatisticsEvent:
 
 @dataclass(frozen=True, slots=True)
 class DiagnosticEvent:
-    """Something a person should know: an ignored option, a risky big-M."""
+    """Something a person should know: an ignored option, a risky big-M. `note` or `warning`."""
 
     event: ClassVar[str] = "diagnostic"
     severity: str

@@ -10,16 +10,20 @@ solver.
 
 from __future__ import annotations
 
+import math
+import time
 from dataclasses import dataclass, replace
 from enum import Enum
+from functools import partial
 from typing import TYPE_CHECKING
 
 from stlc import backends
-from stlc.backends.base import SolveOptions, Status
+from stlc.backends.base import Solution, SolveOptions, Status
 from stlc.errors import InfeasibleError
 from stlc.ir.nodes import Always, And, Node
 from stlc.mission import Mission, Requirement
 from stlc.solve.certify import confirm_infeasible
+from stlc.solve.supervise import Supervisor
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -54,14 +58,22 @@ class Conflict:
 
 
 def explain(
-    mission: Mission, *, backend: str = "highs", time_limit: float = 60.0
+    mission: Mission,
+    *,
+    backend: str = "highs",
+    time_limit: float = 60.0,
+    total: float | None = None,
+    proven: bool = False,
+    grace: float | None = None,
 ) -> Conflict | Verdict:
     """A conflict; or FEASIBLE, or UNKNOWN when nothing was proven within the limit.
 
-    `time_limit` [s] holds for each of the at most (clauses + 1) solves.
+    `time_limit` [s] holds for each of the at most (clauses + 1) solves, `total` for all of them;
+    `grace` is as in SolveSettings. `proven`: that the whole is infeasible is known already.
     """
-    test = _Tester(mission, backend, time_limit)
-    verdict = test(mission.requirements)
+    end = math.inf if total is None else time.monotonic() + total
+    test = _Tester(mission, backend, time_limit, end, grace)
+    verdict = Verdict.INFEASIBLE if proven else test(mission.requirements)
     if verdict is not Verdict.INFEASIBLE:
         return verdict
     kept, _ = _shrink(test, mission.requirements)
@@ -108,6 +120,8 @@ class _Tester:
     mission: Mission
     backend: str
     time_limit: float
+    end: float  # time.monotonic() from which on nothing more is proven
+    grace: float | None
 
     def __call__(self, clauses: Sequence[Requirement]) -> Verdict:
         from stlc.milp.compile import compile_mission
@@ -116,8 +130,13 @@ class _Tester:
             compiled = compile_mission(self._with(clauses))
         except InfeasibleError:
             return Verdict.INFEASIBLE
-        options = SolveOptions(time_limit=self.time_limit, gap=1.0)
-        match backends.get(self.backend).solve(compiled.model, options).status:
+        limit = min(self.time_limit, self.end - time.monotonic())
+        if limit <= 0:
+            return Verdict.UNKNOWN
+        backend, options = backends.get(self.backend), SolveOptions(time_limit=limit, gap=1.0)
+        work = partial(backend.solve, compiled.model)
+        answer = Supervisor(work, options, self.grace).run()
+        match None if answer is None else answer.status:
             case Status.INFEASIBLE:
                 return Verdict.INFEASIBLE
             case Status.OPTIMAL | Status.FEASIBLE:
@@ -132,8 +151,13 @@ class _Tester:
         try:
             compiled = compile_mission(self._with(clauses))
         except InfeasibleError as error:
-            return f"interval analysis: {error}"
-        return str(confirm_infeasible(compiled.model, self.backend))
+            return f"proven by interval analysis: {error}"
+        claim = Solution(
+            Status.INFEASIBLE, solver=self.backend,
+            solver_version=backends.get(self.backend).version(),
+        )  # fmt: skip
+        options = SolveOptions(time_limit=self.time_limit)
+        return str(confirm_infeasible(compiled.model, claim, options=options))
 
     def _with(self, clauses: Sequence[Requirement]) -> Mission:
         return replace(self.mission, requirements=tuple(clauses), objective=())

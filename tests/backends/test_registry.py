@@ -12,7 +12,7 @@ from stlc.backends.base import Backend, SolveOptions
 from stlc.backends.conformance import knapsack
 from stlc.backends.external import external
 from stlc.backends.highs import Highs
-from stlc.errors import SolverError
+from stlc.errors import SolverError, UsageError
 
 
 @pytest.mark.parametrize("name", backends.names())
@@ -29,7 +29,7 @@ def test_cbc_is_python_mip() -> None:
 
 
 def test_an_unknown_name_lists_the_known() -> None:
-    with pytest.raises(SolverError, match=r"no backend 'nobody'; known: highs, mip"):
+    with pytest.raises(UsageError, match=r"no backend 'nobody'; known: highs, mip"):
         backends.get("nobody")
 
 
