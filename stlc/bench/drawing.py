@@ -95,14 +95,24 @@ def _plain_ticks(ax: Any, values: Sequence[float]) -> None:
     ax.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
 
 
-def _finish(fig: Any, ax: Any) -> str:
-    import matplotlib as mpl
+def _plain_numbers(axis: Any) -> None:
+    """0.6 instead of 6e-01 on a logarithmic axis; matplotlib decides which ticks are named."""
     from matplotlib.ticker import LogFormatter, LogLocator
 
+    class Plain(LogFormatter):
+        def __call__(self, x: float, pos: int | None = None) -> str:
+            return f"{x:g}" if super().__call__(x, pos) else ""
+
+    if isinstance(axis.get_major_locator(), LogLocator):
+        axis.set_major_formatter(Plain())
+        axis.set_minor_formatter(Plain(minor_thresholds=(1.5, 0.5)))
+
+
+def _finish(fig: Any, ax: Any) -> str:
+    import matplotlib as mpl
+
     for axis in (ax.xaxis, ax.yaxis):
-        if isinstance(axis.get_major_locator(), LogLocator):
-            axis.set_major_formatter(LogFormatter())
-            axis.set_minor_formatter(LogFormatter(minor_thresholds=(1.5, 0.5)))
+        _plain_numbers(axis)
     if ax.get_legend_handles_labels()[1]:
         ax.legend(loc="best")
     out = io.StringIO()
