@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+import numpy as np
 import pytest
 from support.link_missions import Variant, write_mission
 
@@ -81,3 +82,38 @@ def test_plain_missions_are_left_alone(tmp_path: Path) -> None:
     compiled = compile_mission(Mission.from_file(path))
     assert recognise(compiled) is None
     assert solve_links(compiled, backends.get("highs"), SolveOptions()) is None
+
+
+def test_an_agent_on_a_face_counts_in_the_blocked_cell(tmp_path: Path) -> None:
+    """Cells are closed and the outside of an obstacle is: the only cheap link is from the
+    obstacle's own cell, which an agent on its face touches."""
+    table = np.full((36, 36), 5.0)
+    blocked, corner = 2 * 6 + 2, 0
+    table[blocked, corner] = table[corner, blocked] = 0.1
+    np.savetxt(tmp_path / "cost.csv", table, delimiter=",")
+    path = tmp_path / "face.stl"
+    path.write_text(
+        "step 1 s\nhorizon 3\nworkspace box [0, 6] x [0, 6]\n"
+        "agent a : double_integrator { start (2, 2.5); control |u| <= 1; speed <= 2 }\n"
+        "agent b : double_integrator { start (0.5, 0.5); control |u| <= 1; speed <= 2 }\n"
+        "obstacle block = box [2, 3] x [2, 3]\n"
+        'channel radio { partition 6 x 6; table "cost.csv" }\n'
+        "require clear: always[1, 3] a outside block\n"
+        "minimize 0.1 * effort + 1.0 * link_cost(radio)\n",
+        encoding="utf-8",
+    )
+    compiled = compile_mission(Mission.from_file(path))
+    found = solve_links(compiled, backends.get("highs"), SolveOptions(gap=1e-6))
+    assert found is not None
+    assert found.status is Status.OPTIMAL
+    assert found.objective == pytest.approx(0.3, abs=1e-6)
+
+
+def test_a_limit_leaves_a_valid_bound(tmp_path: Path) -> None:
+    """Stopped at once, nothing is claimed."""
+    compiled = _compiled(tmp_path, 0, VARIANTS["double"])
+    options = SolveOptions(should_stop=lambda: True)
+    found = solve_links(compiled, backends.get("highs"), options)
+    assert found is not None
+    assert found.status in (Status.NO_SOLUTION, Status.FEASIBLE)
+    assert found.gap is None or found.gap >= 0
