@@ -30,7 +30,7 @@ class _RunUnlessReport(click.Group):
 
 @click.group("bench", cls=_RunUnlessReport)
 def bench_command() -> None:
-    """Benchmarks."""
+    """Run benchmark suites in processes of their own, and report on them."""
 
 
 def _words(ctx: click.Context, param: click.Parameter, value: str) -> tuple[str, ...]:
