@@ -40,12 +40,18 @@ class BrokenProgram(AssertionError):
     """A pass broke an invariant."""
 
 
-def verify(requirements: Sequence[Requirement], horizon: int, stage: Stage, where: str) -> None:
-    """Raise BrokenProgram naming the pass `where` if an invariant of `stage` does not hold."""
+def verify(requirements: Sequence[Requirement], horizon: int, stage: Stage, where: str) -> int:
+    """The number of distinct nodes.
+
+    Raises BrokenProgram naming the pass `where` if an invariant of `stage` does not hold.
+    """
+    count = 0
     for node in postorder(r.formula for r in requirements):
+        count += 1
         fault = _fault(node, horizon, stage)
         if fault:
             raise BrokenProgram(f"after {where}: {fault}")
+    return count
 
 
 def _fault(node: Node, horizon: int, stage: Stage) -> str:

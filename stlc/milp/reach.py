@@ -22,6 +22,7 @@ from stlc.mission import Agent, Mission, NormBound, PolygonKind, Polytope
 
 _SWEEPS = 3
 _SLACK = 1e-9  # keeps rounding from cutting off a feasible point
+_DUST = 4 * _SLACK
 
 
 @dataclass(slots=True, eq=False)
@@ -224,10 +225,22 @@ def _check(box: Box, why: str) -> None:
 
 def ranges_of(box: Box) -> Ranges:
     """Freeze; intervals that rounding turned over collapse to their middle."""
-    x_low, x_high = _ordered(box.x_lower, box.x_upper)
-    u_low, u_high = _ordered(box.u_lower, box.u_upper)
+    x_low, x_high = _ordered(tidy(box.x_lower), tidy(box.x_upper))
+    u_low, u_high = _ordered(tidy(box.u_lower), tidy(box.u_upper))
     position = position_ranges(box.agent.dynamics.position, x_low, x_high)
     return Ranges(x_low, x_high, u_low, u_high, *position)
+
+
+def tidy(values: Floats) -> Floats:
+    """Ends without the dust of rounding: 1.000000001 becomes 1.
+
+    A solver's presolve that takes a column for integer must find integer ends. Moves an end by
+    far less than any solver's tolerance.
+    """
+    near = np.round(values, 6)
+    with np.errstate(invalid="ignore"):
+        dust = np.abs(values - near) <= _DUST * np.maximum(1.0, np.abs(values))
+    return np.where(dust, near, values)
 
 
 def position_ranges(position: Floats | None, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:

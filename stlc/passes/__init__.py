@@ -75,20 +75,18 @@ def run_pipeline(
     _check_names(disabled, print_after)
     stats: list[PassStats] = []
     stage = Stage.ANY
+    size = sum(1 for _ in postorder(program.formulas))
     for step in PIPELINE:
         if step.name in disabled:
             continue
-        began, before = time.perf_counter(), _size(program)
+        began, before = time.perf_counter(), size
         program, stage = step.run(program), max(stage, step.stage)
-        stats.append(PassStats(step.name, before, _size(program), time.perf_counter() - began))
-        verify(program.requirements, program.horizon, stage, step.name)
+        seconds = time.perf_counter() - began
+        size = verify(program.requirements, program.horizon, stage, step.name)
+        stats.append(PassStats(step.name, before, size, seconds))
         if step.name in print_after or "all" in print_after:
             show(step.name, print_program(program.requirements, program.horizon))
     return program, tuple(stats)
-
-
-def _size(program: Program) -> int:
-    return sum(1 for _ in postorder(program.formulas))
 
 
 def _check_names(disabled: Collection[str], print_after: Collection[str]) -> None:

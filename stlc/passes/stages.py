@@ -22,7 +22,7 @@ from stlc.ir.verify import Stage
 from stlc.milp.conflicts import demands_of
 from stlc.milp.context import Ranges
 from stlc.milp.goals import Goal
-from stlc.milp.reach import position_ranges
+from stlc.milp.reach import position_ranges, tidy
 from stlc.milp.stages import LevelOf, Stages, find_stages, level_at, single_place
 from stlc.milp.unreachable import unreachable
 from stlc.passes.base import Pass, Program
@@ -115,8 +115,8 @@ def _narrowed(stages: Stages, ranges: Ranges) -> Ranges:
     high = np.array([-_least(-s.upper, s.alive) for s in stages.stages]) + 1e-9
     low, high = np.maximum(ranges.state_lower, low), np.minimum(ranges.state_upper, high)
     crossed = low > high
-    low = np.where(crossed, ranges.state_lower, low)
-    high = np.where(crossed, ranges.state_upper, high)
+    low = tidy(np.where(crossed, ranges.state_lower, low))
+    high = tidy(np.where(crossed, ranges.state_upper, high))
     position = position_ranges(stages.agent.dynamics.position, low, high)
     return Ranges(low, high, ranges.input_lower, ranges.input_upper, *position)
 

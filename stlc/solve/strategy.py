@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from stlc.backends.base import Backend, Capability, Solution, SolveOptions, Status
 from stlc.milp.compile import Compiled
+from stlc.milp.model import Model
 
 
 def run_strategy(
@@ -16,14 +17,14 @@ def run_strategy(
     own; else a start is looked for first where the model offers one, and one that reaches a static
     bound is optimal and needs no solver."""
     if name != "auto":
-        return backend.solve(compiled.model, options)
+        return solve_twice_if_infeasible(compiled.model, backend, options)
     from stlc.solve.links.strategy import solve_links
 
     linked = solve_links(compiled, backend, options)
     if linked is not None:
         return linked
     if options.start is not None:
-        return backend.solve(compiled.model, options)
+        return solve_twice_if_infeasible(compiled.model, backend, options)
     from stlc.milp.start import find_start
 
     began = time.perf_counter()
@@ -39,4 +40,20 @@ def run_strategy(
     if options.time_limit is not None:
         left = options.time_limit - (time.perf_counter() - began)
         options = replace(options, time_limit=max(left, 0.1))
-    return backend.solve(compiled.model, options)
+    return solve_twice_if_infeasible(compiled.model, backend, options)
+
+
+def solve_twice_if_infeasible(model: Model, backend: Backend, options: SolveOptions) -> Solution:
+    """Solve; where HiGHS says infeasible, hear it again without its presolve.
+
+    Presolve of HiGHS 1.15.1 has called feasible models infeasible. A second answer that is not
+    infeasible replaces the first, unless it only ran out of time.
+    """
+    first = backend.solve(model, options)
+    left = None if options.time_limit is None else options.time_limit - first.seconds
+    late = left is not None and left <= 0
+    if first.status is not Status.INFEASIBLE or backend.name != "highs" or late:
+        return first
+    plain = replace(options, time_limit=left, extra={**options.extra, "presolve": "off"})
+    again = backend.solve(model, plain)
+    return first if again.status in (Status.INFEASIBLE, Status.NO_SOLUTION) else again
