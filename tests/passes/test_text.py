@@ -85,7 +85,7 @@ CASES = [
         "[1*a.state.0@1 + -1]))",
     ),
     ("decide", f"eventually[0,3]({P})", "or([1*a.state.0@2 + -1], [1*a.state.0@3 + -1])"),
-    ("decide", "eventually[0,3]([1*a.state.0 + -3])", "true"),  # every input is forced
+    ("decide", "eventually[0,3]([1*a.state.0 + -2])", "[1*a.state.0@3 + -2]"),
     (
         "distribute",
         "and(or([1*a.state.0@2 + -1], [-1*a.state.0@2 + -1]), "
