@@ -57,6 +57,12 @@ class Block:
         return names
 
 
+    def member(self, number: int) -> str:
+        """Name of one member, without those of the others."""
+        place = np.unravel_index(number, self.shape) if self.shape else ()
+        return "_".join([self.name, *(str(int(i)) for i in place)])
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Model:
     """A MILP in arrays. n columns, m rows; `A` is CSR (m, n) with sorted indices, no duplicates."""
@@ -97,6 +103,12 @@ class Model:
     def col_names(self) -> list[str]:
         """Names of all columns, in order."""
         return [n for b in self.col_blocks for n in b.names()]
+
+    def col_name(self, column: int) -> str:
+        """Name of one column."""
+        starts = [b.start for b in self.col_blocks]
+        block = self.col_blocks[bisect_right(starts, column) - 1]
+        return block.member(column - block.start)
 
     def row_names(self) -> list[str]:
         """Names of all rows, in order."""

@@ -210,7 +210,7 @@ def _checked_point(model: Model, solution: Solution) -> Floats:
     if x.shape != (model.columns,):
         raise _refusal(solution, f"it returned {x.size} values for {model.columns} columns")
     if not np.isfinite(x).all():
-        column = model.col_names()[int(np.flatnonzero(~np.isfinite(x))[0])]
+        column = model.col_name(int(np.flatnonzero(~np.isfinite(x))[0]))
         raise _refusal(solution, f"column {column} is not a finite number")
     return x
 

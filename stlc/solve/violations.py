@@ -120,7 +120,7 @@ def _largest(values: _Wide) -> float:
 def _worst(model: Model, values: _Wide) -> str | None:
     if not len(values) or not values.any():
         return None
-    return model.col_names()[int(values.argmax())]
+    return model.col_name(int(values.argmax()))
 
 
 def _row_name(model: Model, values: _Wide) -> str | None:
@@ -129,4 +129,4 @@ def _row_name(model: Model, values: _Wide) -> str | None:
     row = int(values.argmax())
     block = model.row_block(row)
     origin = block.origin.label if block.origin.span is None else str(block.origin.span)
-    return f"{block.names()[row - block.start]} ({origin})"
+    return f"{block.member(row - block.start)} ({origin})"
