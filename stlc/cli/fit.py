@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import click
 
-from stlc.errors import StlcError
+from stlc.errors import UsageError
+from stlc.files import check_writable
 
 
 @click.command("fit")
@@ -19,7 +21,21 @@ from stlc.errors import StlcError
               help="Reference distance [m].")  # fmt: skip
 @click.option("--offsets", is_flag=True, help="One unknown offset for each receiver.")
 @click.option("--floor", type=float, help="Noise floor [dB(m)]: samples at it are censored.")
-@click.option("--seed", type=int, default=0, show_default=True)
+@click.option(
+    "--height",
+    type=float,
+    default=0.0,
+    show_default=True,
+    help="Height [m] of an end that has no z column while the other has one.",
+)
+@click.option("--where", metavar="COLUMN=TEXT", help="Use only rows whose column has this text.")
+@click.option(
+    "--seed",
+    type=click.IntRange(min=0),
+    default=0,
+    show_default=True,
+    help="Draws the samples held back.",
+)
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Report as a picture (PNG).")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def fit_command(
@@ -29,6 +45,8 @@ def fit_command(
     d0: float,
     offsets: bool,
     floor: float | None,
+    height: float,
+    where: str | None,
     seed: int,
     output: Path | None,
     as_json: bool,
@@ -36,21 +54,30 @@ def fit_command(
     """Fit a channel to SAMPLES (CSV of tx_x, tx_y, rx_x, rx_y, rssi_dbm) by maximum likelihood.
 
     Prints path loss, fading, shadowing and length with standard errors, and how well the fit
-    forecasts samples that were held back, against path loss alone.
+    forecasts samples that were held back, against path loss alone. The CSV may be gzipped; with
+    tx_z, rx_z it has heights, with a column `receiver` named receivers (see --offsets).
     """
-    from stlc.radio.errors import RadioError
     from stlc.radio.fit import FitOptions
-    from stlc.radio.report import fit_csv, format_summary, plot_summary
     from stlc.radio.read import SampleOptions, read_samples
+    from stlc.radio.report import fit_csv, format_summary, plot_summary
 
     options = FitOptions(d0=d0, receiver_offsets=offsets, seed=seed)
-    reading = SampleOptions(floor=floor)
-    try:
-        held_back = None if test is None else read_samples(test, reading)
-        summary = fit_csv(samples, options, reading, held_back, share)
-    except RadioError as error:
-        raise StlcError(str(error)) from error
+    reading = SampleOptions(height, floor, None if where is None else _column(where))
+    for path in (samples, test):
+        if path is not None and not path.exists():
+            raise UsageError(f"{path} does not exist")
+    if output is not None:
+        check_writable(output)
+    held_back = None if test is None else read_samples(test, replace(reading, where=None))
+    summary = fit_csv(samples, options, reading, held_back, share)
     if output is not None:
         plot_summary(summary, output)
     click.echo(json.dumps(summary.as_dict(), indent=2) if as_json else format_summary(summary))
     return 0
+
+
+def _column(text: str) -> tuple[str, str]:
+    name, sign, value = text.partition("=")
+    if not sign or not name.strip():
+        raise click.UsageError(f"--where takes COLUMN=TEXT, not {text!r}")
+    return name.strip(), value.strip()

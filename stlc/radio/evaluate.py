@@ -2,20 +2,39 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stlc.radio.errors import FitError
-from stlc.radio.gp import ChannelModel, condition
+from stlc.radio.gp import ChannelModel
 from stlc.radio.likelihood import make_blocks
-from stlc.radio.samples import Samples, make_samples, merge
+from stlc.radio.nearest import Evidence
+from stlc.radio.posterior import exact_posterior
+from stlc.radio.samples import Samples, merge
 from stlc.radio.tobit import mills
 
 Array = NDArray[np.float64]
 
 LEVELS = (0.5, 0.9, 0.95)
+
+
+class Forecast(Protocol):
+    """What a channel and a nearest-link forecast have in common."""
+
+    @property
+    def offsets(self) -> tuple[tuple[str, float], ...]:
+        """Calibration offsets [dB] of the named receivers."""
+
+    def offset(self, receiver: str | None) -> float:
+        """Calibration offset [dB] of one receiver."""
+
+    def predict(
+        self, links: Array, fading: bool, receiver: str | None = None
+    ) -> tuple[Array, Array]:
+        """Mean [dBm] and variance [dB^2] of links."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,7 +57,7 @@ class HoldOut:
     samples: int
 
 
-def hold_out(model: ChannelModel, samples: Samples, seed: int = 0) -> HoldOut:
+def hold_out(model: Forecast, samples: Samples, seed: int = 0) -> HoldOut:
     """Score `model` on samples; `seed` draws the transforms of censored ones.
 
     Raises FitError without samples.
@@ -61,7 +80,7 @@ def hold_out(model: ChannelModel, samples: Samples, seed: int = 0) -> HoldOut:
     return HoldOut(rmse, float(error.mean()), shares, score, pit, len(samples))
 
 
-def predict_samples(model: ChannelModel, samples: Samples) -> tuple[Array, Array]:
+def predict_samples(model: Forecast, samples: Samples) -> tuple[Array, Array]:
     """One packet's mean [dBm] and variance [dB^2] at each sample, offsets included."""
     mean, variance = model.predict(samples.links, True)
     if model.offsets:
@@ -93,8 +112,8 @@ def split_samples(
 
 @dataclass(frozen=True, slots=True)
 class ApproximationError:
-    """Inducing links against exact conditioning on one neighbourhood: root mean square
-    difference of mean [dB] and of sigma [dB], and how many links were compared."""
+    """A forecast against exact conditioning on the same evidence: root mean square difference
+    of mean [dB] and of sigma without fading [dB], and how many links were compared."""
 
     mean: float
     sigma: float
@@ -102,24 +121,29 @@ class ApproximationError:
 
 
 def approximation_error(
-    model: ChannelModel, samples: Samples, most: int = 1500, seed: int = 0
+    forecast: Forecast, prior: ChannelModel, evidence: Evidence, most: int = 2000, seed: int = 0
 ) -> ApproximationError:
-    """Compare `model` with exact conditioning on the `most` samples around one of them.
+    """Compare `forecast` with exact conditioning of `prior` on the `most` links around a middle.
 
-    Both are asked at the 100 links nearest to the middle, so that what lies outside the
-    neighbourhood matters little. Only uncensored samples are used.
-    Raises FitError when there are none.
+    Three middles are drawn; both are asked at the 50 links nearest to each, so that what lies
+    outside the neighbourhood matters little. Censored rows enter both as the same sites.
     """
-    seen = samples.take(~samples.censored)
-    if not len(seen):
-        raise FitError("no uncensored samples to compare on")
-    middle = seen.links[np.random.default_rng(seed).integers(len(seen))]
-    order = np.argsort(((seen.links - middle) ** 2).sum(1), kind="stable")
-    near = seen.take(order[:most])
-    shift = np.array([model.offset(n) if model.offsets else 0.0 for n in near.names])
-    exact = condition(model, make_samples(near.links, near.rssi - shift[near.receiver]))
-    asked = near.links[:100]
-    a, b = model.predict(asked, False), exact.predict(asked, False)
-    mean = float(np.sqrt(((a[0] - b[0]) ** 2).mean()))
-    sigma = float(np.sqrt(((np.sqrt(a[1]) - np.sqrt(b[1])) ** 2).mean()))
-    return ApproximationError(mean, sigma, len(asked))
+    picks = np.random.default_rng(seed).choice(len(evidence), min(3, len(evidence)), replace=False)
+    gaps = [_gap(forecast, prior, evidence, evidence.links[k], most) for k in picks]
+    mean, sigma = (np.concatenate(part) for part in zip(*gaps, strict=True))
+    rms = [float(np.sqrt((part**2).mean())) for part in (mean, sigma)]
+    return ApproximationError(rms[0], rms[1], len(mean))
+
+
+def _gap(
+    forecast: Forecast, prior: ChannelModel, evidence: Evidence, middle: Array, most: int
+) -> tuple[Array, Array]:
+    """Differences of mean and sigma from exact conditioning around one link."""
+    order = np.argsort(((evidence.links - middle) ** 2).sum(1), kind="stable")
+    near = evidence.take(order[:most])
+    asked = near.links[:50]
+    shape = (prior.shadowing, prior.length, prior.kernel)
+    exact = exact_posterior(near.links, near.residual, near.noise, *shape)
+    a = forecast.predict(asked, False)
+    b = replace(prior, posterior=exact).predict(asked, False)
+    return a[0] - b[0], np.sqrt(a[1]) - np.sqrt(b[1])

@@ -19,8 +19,10 @@ from stlc.radio.likelihood import (
     initial_sites,
     make_blocks,
 )
+from stlc.radio.nearest import Evidence, NearestForecast
 from stlc.radio.pathloss import link_distance, log_distance
 from stlc.radio.samples import Samples, merge
+from stlc.radio.threads import single_thread
 from stlc.radio.tobit import Regression, regress
 
 Array = NDArray[np.float64]
@@ -61,6 +63,7 @@ class FitReport:
     path_loss        the same samples without shadowing
     samples, links, censored  counts: samples, rows after merging, censored samples
     method           how likelihood and conditioning were computed
+    evidence         what `model` was conditioned on, merged, censored rows as Gaussian sites
     seconds          wall-clock time
     notes            remarks to show
     """
@@ -74,10 +77,21 @@ class FitReport:
     links: int
     censored: int
     method: str
+    evidence: Evidence
     seconds: float
     notes: tuple[str, ...] = ()
 
+    @property
+    def forecast(self) -> ChannelModel | NearestForecast:
+        """The best forecast of single links: `model` where its conditioning is exact, else
+        conditioning on the nearest links."""
+        posterior = self.model.posterior
+        if posterior is None or posterior.exact or self.model.kernel is KernelName.PAPER_MIN:
+            return self.model
+        return NearestForecast(replace(self.model, posterior=None), self.evidence)
 
+
+@single_thread()
 def fit_channel(samples: Samples, options: FitOptions | None = None) -> FitReport:
     """Fit path loss, fading, shadowing and correlation length; condition on the samples.
 
@@ -112,6 +126,7 @@ def fit_channel(samples: Samples, options: FitOptions | None = None) -> FitRepor
         links=len(rows),
         censored=int(samples.censored.sum()),
         method=_method(problem, model),
+        evidence=_evidence(prior, rows, last.sites),
         seconds=time.perf_counter() - started,
         notes=_notes(model, theta, samples),
     )
@@ -122,6 +137,8 @@ def _check(samples: Samples) -> None:
         raise FitError(f"{len(samples)} samples are too few to fit a channel: at least 8")
     if samples.censored.all():
         raise FitError("every sample is at or below the noise floor: nothing to fit")
+    if np.ptp(samples.rssi) == 0.0:
+        raise FitError("all samples have the same strength: there is nothing to fit")
     if np.ptp(log_distance(link_distance(samples.links), 1e-9)) < 1e-6:
         raise FitError("all links have the same length: the path-loss exponent is undetermined")
 
@@ -155,6 +172,12 @@ def _model(
         kernel=options.kernel,
         offsets=offsets,
     )
+
+
+def _evidence(prior: ChannelModel, rows: Samples, sites: Sites) -> Evidence:
+    shift = np.array([prior.offset(n) if prior.offsets else 0.0 for n in rows.names])
+    residual = sites.target - prior.mean(rows.links) - shift[rows.receiver]
+    return Evidence(rows.links, residual, sites.noise)
 
 
 def _start_sites(problem: Problem, theta: Array, alone: Regression) -> Sites:

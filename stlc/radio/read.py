@@ -32,6 +32,9 @@ ALIASES: dict[str, tuple[str, ...]] = {
 """Column names understood, after lower case and without a unit such as `_m` or `[m]`."""
 
 REQUIRED = ("tx_x", "tx_y", "rx_x", "rx_y", "rssi")
+LARGEST = 1e9
+"""Values beyond this are mistakes in any unit."""
+
 LENGTH_UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0}
 
 
@@ -156,6 +159,8 @@ def _number(row: Sequence[str], column: int, line: int, path: str) -> float:
         raise DataError(f"{row[column]!r} is not a number", where) from None
     if not np.isfinite(value):
         raise DataError(f"{row[column]!r} is not a finite number", where)
+    if abs(value) > LARGEST:
+        raise DataError(f"{row[column]!r} is out of range", where)
     return value
 
 

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stlc.files import atomic_output
+from stlc.radio.errors import FitError
 from stlc.radio.evaluate import (
     ApproximationError,
     HoldOut,
@@ -20,6 +20,7 @@ from stlc.radio.evaluate import (
     split_samples,
 )
 from stlc.radio.fit import FitOptions, FitReport, fit_channel
+from stlc.radio.nearest import NearestForecast
 from stlc.radio.pathloss import link_distance, split_links
 from stlc.radio.read import SampleOptions, read_samples
 from stlc.radio.samples import Samples
@@ -30,13 +31,17 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
+VAGUE = 5.0
+"""Standard error of a logarithm from which on the samples don't determine a parameter."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class FitSummary:
     """A fit of all samples, and how a fit without the held-back ones forecasts them.
 
     fit          of all samples (or of the training file when `test` is another file)
     channel      forecast by the Gaussian process; path_loss: by path loss alone
-    approximate  inducing links against exact conditioning; None when exact
+    approximate  (name, error) of each approximate conditioning against exact; () when exact
     """
 
     fit: FitReport
@@ -44,7 +49,46 @@ class FitSummary:
     tested: Samples
     channel: HoldOut
     path_loss: HoldOut
-    approximate: ApproximationError | None
+    approximate: tuple[tuple[str, ApproximationError], ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """The report as JSON data, units as in `format_summary`; vague errors are null."""
+        fit, model = self.fit, self.fit.model
+        errors = {k: v if v < VAGUE or k == "l0" else None for k, v in fit.standard_errors}
+        names = ("l0", "exponent", "fading", "shadowing", "length", "d0")
+        return {
+            "channel": {name: getattr(model, name) for name in names},
+            "kernel": model.kernel.value,
+            "offsets": dict(model.offsets),
+            "standard_errors": errors,
+            "log_likelihood": fit.log_likelihood,
+            "log_likelihood_path_loss": fit.log_likelihood_path_loss,
+            "samples": fit.samples,
+            "links": fit.links,
+            "censored": fit.censored,
+            "method": fit.method,
+            "seconds": fit.seconds,
+            "held_back": {
+                "samples": self.channel.samples,
+                "channel": _score_dict(self.channel),
+                "path_loss": _score_dict(self.path_loss),
+            },
+            "approximation": {
+                name: {"mean_db": gap.mean, "sigma_db": gap.sigma, "links": gap.links}
+                for name, gap in self.approximate
+            },
+            "notes": list(fit.notes),
+        }
+
+
+def _score_dict(score: HoldOut) -> dict[str, Any]:
+    coverage = {f"{level:g}": share for level, share in score.coverage}
+    return {
+        "rmse_db": score.rmse,
+        "bias_db": score.bias,
+        "log_score": score.log_score,
+        "coverage": coverage,
+    }
 
 
 def fit_csv(
@@ -65,18 +109,30 @@ def fit_csv(
     fit = fit_channel(samples, options)
     if test is None:
         training, tested = split_samples(samples, share, options.seed)
-        scored = fit_channel(training, options)
+        try:
+            scored = fit_channel(training, options)
+        except FitError as error:
+            raise FitError(f"with {len(tested)} samples held back, {error}") from error
     else:
         tested, scored = test, fit
-    posterior = fit.model.posterior
-    exact = posterior is None or posterior.exact
     return FitSummary(
         fit=fit,
         samples=samples,
         tested=tested,
-        channel=hold_out(scored.model, tested, options.seed),
+        channel=hold_out(scored.forecast, tested, options.seed),
         path_loss=hold_out(scored.path_loss, tested, options.seed),
-        approximate=None if exact else approximation_error(fit.model, samples),
+        approximate=approximations(fit),
+    )
+
+
+def approximations(fit: FitReport) -> tuple[tuple[str, ApproximationError], ...]:
+    """Errors of the two ways to condition on a large set; () when conditioning is exact."""
+    forecast = fit.forecast
+    if not isinstance(forecast, NearestForecast):
+        return ()
+    ways = ("nearest links", forecast), ("inducing links", fit.model)
+    return tuple(
+        (name, approximation_error(way, forecast.prior, fit.evidence)) for name, way in ways
     )
 
 
@@ -99,19 +155,19 @@ def format_summary(summary: FitSummary) -> str:
         _score_line("channel", summary.channel),
         _score_line("path loss alone", summary.path_loss),
     ]
-    if summary.approximate is not None:
-        gap = summary.approximate
-        lines.append(
-            f"inducing links against exact conditioning: mean {gap.mean:.2f} dB, "
-            f"sigma {gap.sigma:.2f} dB rms on {gap.links} links"
-        )
+    lines += [
+        f"{name} against exact conditioning: mean {gap.mean:.2f} dB, "
+        f"sigma {gap.sigma:.2f} dB rms on {gap.links} links"
+        for name, gap in summary.approximate
+    ]
     lines += [f"offset        {name}: {value:+.2f} dB" for name, value in model.offsets]
     lines += [f"note: {note}" for note in fit.notes]
     return "\n".join(lines)
 
 
 def _variance_line(name: str, value: float, log_error: float, unit: str) -> str:
-    return f"{name:<13} {value:8.2f} {unit:<5} x/ {np.exp(min(log_error, 50.0)):.2f}"
+    spread = f"x/ {np.exp(log_error):.2f}" if log_error < VAGUE else "(undetermined)"
+    return f"{name:<13} {value:8.2f} {unit:<5} {spread}"
 
 
 def _score_line(name: str, score: HoldOut) -> str:
@@ -123,7 +179,7 @@ def _score_line(name: str, score: HoldOut) -> str:
 
 
 def plot_summary(summary: FitSummary, path: str | Path) -> None:
-    """Map, residuals, variogram and calibration in one PNG, replaced only when complete."""
+    """Map, residuals, variogram and calibration in one PNG. Raises OutputError."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -134,14 +190,8 @@ def plot_summary(summary: FitSummary, path: str | Path) -> None:
     _draw_residuals(axes[0, 1], summary)
     _draw_variogram(axes[1, 0], summary)
     _draw_calibration(axes[1, 1], summary)
-    target = Path(path)
-    handle, name = tempfile.mkstemp(dir=target.parent, prefix=target.name, suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            figure.savefig(file, format="png", dpi=110)
-        os.replace(name, target)
-    finally:
-        Path(name).unlink(missing_ok=True)
+    with atomic_output(path) as file:
+        figure.savefig(file, format="png", dpi=110)
 
 
 def _draw_map(axes: Axes, summary: FitSummary) -> None:
@@ -154,7 +204,7 @@ def _draw_map(axes: Axes, summary: FitSummary) -> None:
     grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
     depth = np.tile(np.median(sender[:, 2:], axis=0), (len(grid), 1))
     links = np.hstack([grid, depth, np.tile(end, (len(grid), 1))])
-    mean, _ = summary.fit.model.predict(links, False)
+    mean, _ = summary.fit.forecast.predict(links, False)
     image = axes.pcolormesh(x, y, mean.reshape(60, 60).T, shading="auto")
     axes.figure.colorbar(image, ax=axes, label="RSSI [dBm]")
     axes.plot(*end[:2], "r^", label="receiver")
@@ -165,7 +215,7 @@ def _draw_map(axes: Axes, summary: FitSummary) -> None:
 
 def _draw_residuals(axes: Axes, summary: FitSummary) -> None:
     tested = summary.tested.take(~summary.tested.censored)
-    mean, _ = predict_samples(summary.fit.model, tested)
+    mean, _ = predict_samples(summary.fit.forecast, tested)
     alone, _ = predict_samples(summary.fit.path_loss, tested)
     distance = link_distance(tested.links)
     axes.semilogx(distance, tested.rssi - alone, ".", ms=2, label="path loss alone")
