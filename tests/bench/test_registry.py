@@ -17,9 +17,10 @@ FOLDER = ROOT / "benchmarks"
 PROBLEMS = [(s, p) for s in load_suites(FOLDER).values() for p in s.problems]
 
 
-def test_five_suites_and_no_name_twice() -> None:
+def test_suites_and_no_name_twice() -> None:
     assert default_folder() == FOLDER
-    assert list(load_suites(FOLDER)) == ["paper", "stlpy", "radio", "teams", "scaling"]
+    suites = ["paper", "stlpy", "radio", "teams", "scaling", "ablation"]
+    assert list(load_suites(FOLDER)) == suites
     names = [(suite.name, problem.name) for suite, problem in PROBLEMS]
     assert len(set(names)) == len(names)
     assert all(any(p.quick for p in suite.problems) for suite in load_suites(FOLDER).values())
