@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from stlc.cli.common import load, mission_options
+from stlc.cli.common import (
+    check_outputs,
+    load,
+    mission_options,
+    parse_solver_options,
+    plain,
+    solver_options,
+)
 from stlc.cli.interrupt import interruptible
 from stlc.cli.progress import listener
 from stlc.errors import DisagreementError, InfeasibleError, NoPlanError
@@ -30,6 +38,7 @@ if TYPE_CHECKING:
 @click.option("--memory", type=click.FloatRange(min=0), metavar="GB", help="For each racer.")
 @click.option("--gap", type=click.FloatRange(min=0), default=1e-4, show_default=True)
 @click.option("--threads", type=click.IntRange(min=1), default=1, show_default=True)
+@solver_options
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="plan.json")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @click.option("--progress", "style", default="auto", show_default=True,
@@ -40,12 +49,13 @@ def race_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, ..
     from stlc.solve.race import Finish
 
     mission = load(file, define, allow_path)
+    check_outputs(words["output"])
     compiled, racers = _enter(mission, words)
     with interruptible() as stop:
         result = _run(racers, words["cluster"], listener(words["style"]), stop)
     winner = result.winner
     if winner is None or winner.certified is None:
-        raise NoPlanError(_laps(result))
+        raise NoPlanError(f"no racer found a plan\n{_laps(result)}")
     if winner.certified.x is None:
         raise InfeasibleError(f"no run satisfies the mission (proven by {winner.name})")
     plan, report = _judge(mission, compiled[winner.name], winner.certified, winner.name)
@@ -57,13 +67,14 @@ def race_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, ..
     click.echo(
         json.dumps(_as_dict(result, plan.solve.objective, proof), indent=2)
         if words["as_json"]
-        else f"{winner.name} wins: objective {plan.solve.objective:.6g}"
+        else f"{winner.name} wins: objective {plain(plan.solve.objective)}"
         f"{', proven optimal' if proof else ', not proven'}; verified\n{_laps(result)}"
     )
     return 0
 
 
 def _enter(mission: Mission, words: dict[str, Any]) -> tuple[dict[str, Compiled], list[Racer]]:
+    from stlc import backends
     from stlc.backends.base import SolveOptions
     from stlc.milp.compile import compile_mission
     from stlc.milp.encodings import compile_options
@@ -73,8 +84,10 @@ def _enter(mission: Mission, words: dict[str, Any]) -> tuple[dict[str, Compiled]
     memory = None if words["memory"] is None else int(words["memory"] * 2**30)
     compiled: dict[str, Compiled] = {}
     racers = []
+    options = replace(options, extra=parse_solver_options(words["option"]))
     for name in filter(None, (part.strip() for part in words["entrants"].split(","))):
         backend, _, encoding = name.partition(":")
+        backends.get(backend)  # an unknown name is a mistake; a missing solver only loses
         compiled[name] = compile_mission(mission, compile_options(encoding or "auto"))
         racers.append(Racer(name, backend, compiled[name].model, options, memory))
     return compiled, racers
@@ -95,8 +108,6 @@ def _run(racers: list[Racer], cluster: str | None, listen: Listener, stop: Any) 
 
 
 def _judge(mission: Mission, compiled: Compiled, certified: Any, name: str) -> Any:
-    from dataclasses import replace
-
     from stlc.solve.driver import judge_point
 
     claim = replace(certified.claim, x=certified.x, objective=certified.objective)

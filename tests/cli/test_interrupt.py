@@ -1,0 +1,118 @@
+"""Ctrl-C, SIGTERM and kill -9 while a solver works: what was verified is kept, and said."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+from support.command import LIMIT, long_mission, start, stlc
+
+from stlc.mission import Mission
+from stlc.plan import read_plan
+from stlc.verify import verify
+
+
+def _wait_for(process: subprocess.Popen[str], kind: str) -> dict[str, object]:
+    """The first event of a kind on standard error."""
+    assert process.stderr is not None
+    for line in process.stderr:
+        if line.startswith("{") and json.loads(line)["event"] == kind:
+            return dict(json.loads(line))
+    raise AssertionError(f"the process ended without an event '{kind}'")
+
+
+def _solve(folder: Path, *words: object) -> subprocess.Popen[str]:
+    return start(
+        "solve", long_mission(folder), "--strategy", "milp", "-o", "p.json",
+        "--progress", "ndjson", *words, folder=folder,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_reports_the_plan_and_its_gap(number: signal.Signals, tmp_path: Path) -> None:
+    process = _solve(tmp_path, "--json")
+    seen = _wait_for(process, "solution")
+    process.send_signal(number)
+    out, err = process.communicate(timeout=LIMIT)
+    assert process.returncode == 0, err
+    said = json.loads(out)
+    assert said["status"] == "feasible"
+    assert said["verified"] is True
+    assert said["objective"] <= seen["objective"]
+    plan = read_plan(tmp_path / "p.json")
+    assert plan.solve.objective == said["objective"]
+    assert plan.solve.gap == said["gap"]
+    assert '"interrupted"' in err
+
+
+@pytest.mark.parametrize("backend", ["mip", "pulp", "cvxpy", "scipy"])
+def test_deaf_solvers_are_left_behind(backend: str, tmp_path: Path) -> None:
+    process = _solve(tmp_path, "--backend", backend)
+    note = _wait_for(process, "diagnostic")
+    assert "hands over no plan before it ends" in str(note["message"])
+    time.sleep(0.3)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=LIMIT)
+    assert process.returncode == 130, err
+    assert "interrupted before a plan was found" in err
+
+
+def test_kill_loses_no_saved_plan(tmp_path: Path) -> None:
+    """Whatever was announced as saved is there, whole, and satisfies the mission."""
+    for wanted in (1, 2):
+        process = _solve(tmp_path)
+        best = min(float(str(_wait_for(process, "solution")["objective"])) for _ in range(wanted))
+        os.kill(process.pid, signal.SIGKILL)
+        process.communicate(timeout=LIMIT)
+        plan = read_plan(tmp_path / "p.json")
+        assert plan.solve.objective is not None
+        assert plan.solve.objective <= best + 1e-9
+        assert verify(Mission.from_file(tmp_path / "long.stl"), plan).ok
+
+
+def test_events_follow_their_schema(tmp_path: Path) -> None:
+    from importlib.resources import files
+
+    from jsonschema import Draft202012Validator
+
+    schema = json.loads((files("stlc.solve") / "events.schema.json").read_text())
+    Draft202012Validator.check_schema(schema)
+    judge = Draft202012Validator(schema)
+    words = ("solve", long_mission(tmp_path), "--strategy", "milp", "-o", "p.json")
+    done = stlc(*words, "--time-limit", 4, "--threads", 1, folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    events = [json.loads(line) for line in done.stderr.splitlines() if line.startswith("{")]
+    for event in events:
+        judge.validate(event)
+    assert {e["event"] for e in events} == {"status", "statistics", "progress", "solution"}
+    assert not judge.is_valid({"event": "solution", "seconds": 1.0})
+
+
+def test_one_live_line_at_a_terminal(tmp_path: Path) -> None:
+    import pty
+
+    own, theirs = pty.openpty()
+    words = ("solve", long_mission(tmp_path), "--strategy", "milp", "--time-limit", "3")
+    process = start(*words, folder=tmp_path, stderr=theirs)
+    os.close(theirs)
+    text = b""
+    while True:
+        try:
+            chunk = os.read(own, 4096)
+        except OSError:  # the other end is closed
+            break
+        if not chunk:
+            break
+        text += chunk
+    process.communicate(timeout=LIMIT)
+    os.close(own)
+    assert process.returncode == 0, text
+    live = [part for part in text.decode().split("\r\x1b[K") if "incumbent" in part]
+    assert len(live) > 1
+    assert not any("\n" in part for part in live)
+    assert b'{"event"' not in text
