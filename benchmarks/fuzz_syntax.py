@@ -1,20 +1,25 @@
-"""Feeds damaged and random texts to the parser: no exception, and every error has its place.
+"""Feeds damaged and random texts to the checker: no exception, and every error has its place.
 
     python benchmarks/fuzz_syntax.py 20000
 
 Inputs are byte mutations of a sample mission, texts drawn from the grammar's own spellings,
 cut-off and doubled files, raw bytes, and a few monsters (50,000 parentheses, a line of 10 MB).
+Every third input is a valid mission (of `docs/language.md`) with some tokens changed, which often
+parses: it goes through the whole of `Mission.from_text`, and so does whatever else parses.
 """
 
 from __future__ import annotations
 
 import random
+import re
 import sys
 import time
+from pathlib import Path
 
 from stlc.diagnostics import Diagnostic, Severity
 from stlc.errors import MissionError
 from stlc.grammar import tables
+from stlc.mission import Mission
 from stlc.render import STYLES, render
 from stlc.syntax.compare import same_syntax
 from stlc.syntax.parse import parse
@@ -40,6 +45,10 @@ require clear:  always forall (a, b) in pairs: a outside pillar swept
 require sure:   eventually[0, 8] P(rssi(r1, base) >= -36 dBm) >= 0.95
 minimize 0.1 * effort[0, 5] + 0.9 * link_cost(radio)
 """
+
+GUIDE = Path(__file__).parent.parent / "docs" / "language.md"
+TOKEN = re.compile(r"\s+|#[^\n]*|\w+(?:\.\d+)?|<=|>=|==|->|\.\.|.", re.S)
+NUMBERS = ("0", "1", "-1", "1e300", "1e-300", "0.5 s", "3 dBm", "2 m", "100000", "inf", "i", "r1")
 
 MONSTERS = (
     b"require a: " + b"(" * 50_000 + b"x > 0" + b")" * 50_000,
@@ -81,7 +90,7 @@ def mutate(rng: random.Random, data: bytes) -> bytes:
             case 1:
                 del text[at : at + rng.randint(1, 20)]
             case 2:
-                text[at:at] = rng.choice(b" ()[]{}|:;,=<>-\n\"#x").to_bytes()
+                text[at:at] = rng.choice(b' ()[]{}|:;,=<>-\n"#x').to_bytes()
             case 3:
                 start = rng.randrange(len(text) + 1)
                 text[at:at] = text[start : start + rng.randint(1, 40)]
@@ -90,8 +99,39 @@ def mutate(rng: random.Random, data: bytes) -> bytes:
     return bytes(text)
 
 
-def draw(rng: random.Random, vocabulary: list[bytes]) -> bytes:
+def missions() -> list[list[str]]:
+    """The missions of the language guide, and its fragments after their prelude, as tokens."""
+    text = GUIDE.read_text(encoding="utf-8")
+    found = re.search(r"<!-- prelude two\n(.*?)-->", text, re.S)
+    prelude = found[1] if found else ""
+    blocks = re.findall(r"^```stl( in two)?[^\n]*\n(.*?)^```", text, re.S | re.M)
+    return [TOKEN.findall((prelude if fragment else "") + body) for fragment, body in blocks]
+
+
+def change_tokens(rng: random.Random, tokens: list[str]) -> bytes:
+    """A few tokens left out, doubled, exchanged, or replaced by others of the mission."""
+    made = list(tokens)
+    for _ in range(rng.randint(1, 4)):
+        at, other = rng.randrange(len(made)), rng.randrange(len(made))
+        match rng.randrange(5):
+            case 0:
+                made[at] = made[other]
+            case 1:
+                made[at], made[other] = made[other], made[at]
+            case 2:
+                made[at] = rng.choice(NUMBERS)
+            case 3:
+                made.insert(at, made[other])
+            case _:
+                del made[at]
+        made = made or ["step"]
+    return "".join(made).encode()
+
+
+def draw(rng: random.Random, vocabulary: list[bytes], valid: list[list[str]]) -> bytes:
     """One input."""
+    if rng.randrange(3) == 0:
+        return change_tokens(rng, rng.choice(valid))
     match rng.randrange(6):
         case 0 | 1:
             return mutate(rng, SAMPLE)
@@ -120,7 +160,16 @@ def examine(data: bytes) -> tuple[Diagnostic, ...]:
         assert again.ok, text
         assert same_syntax(again.file.statements, result.file.statements), text
         assert format_file(again.file) == text, text
+        return meaning(source.text)
     return result.diagnostics
+
+
+def meaning(text: str) -> tuple[Diagnostic, ...]:
+    """Diagnostics of the whole checker; the guide's folder has none of the files it names."""
+    try:
+        return Mission.from_text(text).warnings
+    except MissionError as error:
+        return error.diagnostics
 
 
 def check(data: bytes) -> bool:
@@ -140,10 +189,10 @@ def check(data: bytes) -> bool:
 
 def main(count: int, seed: int = 1) -> None:
     """Try `count` inputs; the first that fails ends the run with its traceback."""
-    rng, vocabulary = random.Random(seed), words()
+    rng, vocabulary, valid = random.Random(seed), words(), missions()
     begin = time.perf_counter()
     errors = sum(
-        check(MONSTERS[number] if number < len(MONSTERS) else draw(rng, vocabulary))
+        check(MONSTERS[number] if number < len(MONSTERS) else draw(rng, vocabulary, valid))
         for number in range(count)
     )
     spent = time.perf_counter() - begin

@@ -110,7 +110,7 @@ def _inside(agent: Agent, obstacle: Obstacle) -> bool:
 
 def _requirements(mission: Mission, scope: Scope) -> None:
     if not mission.requirements and not scope.report.errors:
-        scope.report.add(NoRequirement(span=None))
+        scope.report.add(NoRequirement(span=mission.source.span(0, 0)))
     known = boxes(mission.agents, mission.workspace)
     anywhere = StaticRange(known)
     started = StaticRange(known, {n: a.start for n, a in mission.agents.items()})
