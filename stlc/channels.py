@@ -84,12 +84,14 @@ class ChannelTables:
 
     def _alike(self, channel: Channel, pair: Pair) -> tuple[object, ...]:
         """Two pairs of agents share a model's table, unless offsets or heights tell them apart."""
-        if channel.model is None or not all(name in self.mission.agents for name in pair):
+        if channel.has_table(pair) or channel.model is None:
+            return pair
+        if not all(name in self.mission.agents for name in pair):
             return pair
         return ("agents", _receiver(channel.model, pair))
 
     def _cost(self, channel: Channel, pair: Pair, bound: Bound) -> Array:
-        if channel.model is None:
+        if channel.has_table(pair) or channel.model is None:
             return given_table(self.mission, channel, pair)
         model, budget = needed(channel)
         name = CostName(channel.cost)
@@ -114,7 +116,7 @@ class ChannelTables:
 
     def _cost_range(self, channel: Channel, pair: Pair) -> tuple[Array, Array]:
         """Least and highest cost over cells."""
-        if channel.model is None or channel.predicate_bound is not Bound.WORST:
+        if channel.has_table(pair) or channel.predicate_bound is not Bound.WORST:
             table = self.cost(channel.name, pair, channel.predicate_bound)
             return table, table
         model, budget = needed(channel)

@@ -170,8 +170,9 @@ class Bound(Enum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Channel:
-    """A radio channel: a model (with a link budget), or link costs given as tables.
+    """A radio channel: a model (with a link budget), link costs given as tables, or both.
 
+    The table of a pair wins for its cost; signal strength and error rates are the model's.
     `tables[(a, b)]`, or `tables[None]` for every pair, is (n, n) with n the cells of `partition`.
     """
 
@@ -184,6 +185,10 @@ class Channel:
     predicate_bound: Bound = Bound.WORST
     cost_bound: Bound = Bound.MEAN
     span: Span | None = None
+
+    def has_table(self, pair: tuple[str, str]) -> bool:
+        """Whether the mission gives this pair's cost as a table."""
+        return any(key in self.tables for key in (pair, pair[::-1], None))
 
 
 @dataclass(frozen=True, slots=True)

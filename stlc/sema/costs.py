@@ -156,11 +156,12 @@ def default_pairs(span: Span, scope: Scope) -> tuple[Pair, ...]:
 
 def check_cost(channel: Channel, pairs: tuple[Pair, ...], span: Span) -> None:
     """Raise Mistake unless the channel can price these links."""
-    if channel.tables:
+    if channel.model is None:
         _check_tables(channel, pairs, span)
         return
     budget = channel.budget
-    assert budget is not None, "a channel has tables or a model"
+    if budget is None or all(channel.has_table(pair) for pair in pairs):
+        return
     cost, name = channel.cost, channel.name
     why = f"the link cost `{cost}` needs it"
     if cost in ("inv_snr", "etx", "neg_log_prr") and isnan(budget.noise_floor):
@@ -174,10 +175,8 @@ def check_cost(channel: Channel, pairs: tuple[Pair, ...], span: Span) -> None:
 
 
 def _check_tables(channel: Channel, pairs: tuple[Pair, ...], span: Span) -> None:
-    if None in channel.tables or channel.model is not None:
-        return
     for a, b in pairs:
-        if (a, b) not in channel.tables and (b, a) not in channel.tables:
+        if not channel.has_table((a, b)):
             problem = f"it has no table for ({a}, {b})"
             hint = f'add `table ({a}, {b}) "cost.csv"`'
             raise Mistake(BadChannel(span=span, channel=channel.name, problem=problem, hint=hint))

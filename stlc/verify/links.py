@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stlc.channels import LinkValues, true_robustness, true_values
-from stlc.ir.nodes import Link, walk
+from stlc.ir.nodes import Link, Quantity, walk
 from stlc.mission import Channel, Mission, TermKind
 from stlc.plan import LinkSeries
 from stlc.verify.subject import Array, Subject
@@ -98,11 +98,13 @@ class TrueModel:
         return self._values[key]
 
     def robustness(self, link: Link, positive: bool) -> Array:
-        """Robustness (T+1,); of a channel that is only a table, that of the table."""
+        """Robustness (T+1,); of costs given as a table, that of the table."""
         channel = self.subject.mission.channels[link.channel]
-        if channel.model is None:
+        pair = (link.sender, link.receiver)
+        given = link.quantity is Quantity.COST and channel.has_table(pair)
+        if given or channel.model is None:
             return self.cells.robustness(link, positive)
-        return true_robustness(channel, link, self.values(channel, (link.sender, link.receiver)))
+        return true_robustness(channel, link, self.values(channel, pair))
 
 
 def named_pairs(mission: Mission) -> Iterator[tuple[str, Pair]]:
