@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import click
@@ -51,7 +52,17 @@ def _explanation(code: str) -> str:
         near = difflib.get_close_matches(code.upper(), known, n=3)
         hint = f"; near it: {', '.join(near)}" if near else ""
         raise UsageError(f"there is no diagnostic {code!r}{hint}")
-    return f"{cls.code} ({cls.severity.value})\n\n{inspect.cleandoc(cls.__doc__ or '')}"
+    parts = [f"{cls.code} ({cls.severity.value})", f"  {_open(cls.title)}"]
+    parts += ["", inspect.cleandoc(cls.__doc__ or "")]
+    remedy = _open(cls.help)
+    if remedy.strip(".`"):  # else the remedy is made for each case
+        parts += ["", f"Remedy: {remedy}"]
+    return "\n".join(parts)
+
+
+def _open(template: str) -> str:
+    """A template with dots for what each case fills in."""
+    return re.sub(r"\{\w+[^}]*\}", "..", template)
 
 
 @click.command("fmt")

@@ -96,7 +96,11 @@ class UnknownMember(Diagnostic):
 
 
 class UnknownProperty(Diagnostic):
-    """A block has a property that its kind doesn't know."""
+    """A block has a property that its kind doesn't know.
+
+    Agents know `start control speed state turn_rate mass effort_state effort_input integer` and
+    the names of their states and inputs; the language guide lists those of every kind.
+    """
 
     code: ClassVar[str] = "E0207"
     title: ClassVar[str] = "{owner} has no property `{name}`"

@@ -36,7 +36,12 @@ class LevelSum(Diagnostic):
 
 
 class UnitMismatch(Diagnostic):
-    """Two quantities of different dimension are added or compared."""
+    """Two quantities of different dimension are added or compared.
+
+    `r1.x >= 3 dB` compares metres with decibels. A number without a unit takes the unit of the
+    other side; `m/s` times `s` is `m`; levels (dBm) are compared with levels, ratios (dB) with
+    ratios.
+    """
 
     code: ClassVar[str] = "E0303"
     title: ClassVar[str] = "{left} and {right} can't be {verb}"
