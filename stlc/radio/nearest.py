@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from stlc.radio.gp import ChannelModel
 from stlc.radio.kernel import self_overlap
 from stlc.radio.pathloss import swap_ends
+from stlc.radio.threads import single_thread
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -60,6 +61,7 @@ class NearestForecast:
         """Calibration offset [dB]; RadioError for an unknown name."""
         return self.prior.offset(receiver)
 
+    @single_thread()
     def predict(
         self, links: Array, fading: bool, receiver: str | None = None
     ) -> tuple[Array, Array]:
@@ -83,7 +85,7 @@ class NearestForecast:
 
         count = len(self.evidence)
         tree = cKDTree(np.vstack([self.evidence.links, swap_ends(self.evidence.links)]))
-        _, found = tree.query(links, k=np.arange(1, min(self.neighbours, count) + 1))
+        _, found = tree.query(links, k=np.arange(1, min(self.neighbours, 2 * count) + 1))
         near = np.asarray(found % count, dtype=np.intp)
         order = np.argsort(near, axis=1, kind="stable")
         sorted_rows = np.take_along_axis(near, order, axis=1)
