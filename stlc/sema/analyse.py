@@ -25,6 +25,8 @@ from stlc.sema.units import SECOND, UnknownUnitName, parse_unit
 from stlc.sema.values import Env
 from stlc.syntax import ast
 
+SHORTEST_STEP, LONGEST_STEP = 1e-12, 1e9  # s; beyond them its square is lost or overflows
+
 S = TypeVar("S", bound=ast.Statement)
 
 Named = (
@@ -173,8 +175,8 @@ def _step(statement: ast.Step | None, scope: Scope) -> None:
         return
     with scope.report.guard():
         value = scope.number(statement.duration, SECOND)
-        if value <= 0:
-            expected = "above 0 s"
+        if not SHORTEST_STEP <= value <= LONGEST_STEP:
+            expected = "above 0 s" if value <= 0 else "between 1e-12 s and 1e9 s"
             raise Mistake(
                 BadStep(span=statement.span, name="step", expected=expected, usage="step 1 s")
             )

@@ -150,3 +150,9 @@ def test_outputs_are_linear_signals() -> None:
 )
 def test_mistakes(text: str, code: str) -> None:
     assert codes(text) == [code]
+
+
+@pytest.mark.parametrize("step", ["0 s", "-1 s", "1e300 s", "1e-300 s"])
+def test_steps_that_no_dynamics_can_have(step: str) -> None:
+    with pytest.raises(MissionError, match="step"):
+        Mission.from_text(f"step {step}\nagent a : double_integrator {{ start (0, 0) }}\n")
