@@ -131,4 +131,4 @@ def test_samples_that_fix_no_channel_are_refused():
         fit_channel(make_samples(links, np.zeros(20)).with_floor(1.0))
     links[:, 2:] = links[:, :2] + [1.0, 0.0]
     with pytest.raises(FitError, match="same length"):
-        fit_channel(make_samples(links, np.zeros(20)))
+        fit_channel(make_samples(links, np.arange(20.0)))
