@@ -48,9 +48,7 @@ class Diagnostic(NamedRecord):
     fix: Fix | None = None
 
     def _fill(self, template: str) -> str:
-        values: dict[str, Any] = {
-            name: getattr(self, name) for name in type(self).record_fields
-        }
+        values: dict[str, Any] = {name: getattr(self, name) for name in type(self).record_fields}
         return template.format(**values)
 
     @property

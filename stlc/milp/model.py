@@ -56,7 +56,6 @@ class Block:
             names = [f"{n}_{i}" for n in names for i in range(extent)]
         return names
 
-
     def member(self, number: int) -> str:
         """Name of one member, without those of the others."""
         place = np.unravel_index(number, self.shape) if self.shape else ()

@@ -61,9 +61,7 @@ def _row(properties: Sequence[ast.Property]) -> str:
     return text
 
 
-def _body(
-    rows: list[list[ast.Property]], comments: list[ast.Comment], source: Source
-) -> list[str]:
+def _body(rows: list[list[ast.Property]], comments: list[ast.Comment], source: Source) -> list[str]:
     lines: list[str] = []
     for row in rows:
         while comments and comments[0].span.start < row[0].span.start:

@@ -47,9 +47,7 @@ def symbol_terminals() -> dict[str, str]:
 def word_terminals() -> dict[str, str]:
     """Terminal of each word that can be an operator within an expression."""
     kinds = UNARY | BINARY | QUANTIFIERS | {"TRUE", "FALSE"}
-    return {
-        word: kind for kind in kinds for word in tables().spellings[kind] if word[0].isalpha()
-    }
+    return {word: kind for kind in kinds for word in tables().spellings[kind] if word[0].isalpha()}
 
 
 def plain(symbol: str) -> str:

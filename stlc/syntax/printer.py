@@ -121,9 +121,7 @@ def _needs_block(statement: ast.Statement) -> bool:
             return False
 
 
-def _opening(
-    source: Source, statement: ast.Statement, properties: tuple[ast.Property, ...]
-) -> int:
+def _opening(source: Source, statement: ast.Statement, properties: tuple[ast.Property, ...]) -> int:
     """Where the statement's block opens; its end if it has none."""
     if properties:
         return source.text.rfind("{", statement.span.start, properties[0].span.start)

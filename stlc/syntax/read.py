@@ -15,9 +15,7 @@ from stlc.syntax.screen import MAX_FILE
 _UTF16: Final = (b"\xff\xfe", b"\xfe\xff")
 _BOM: Final = b"\xef\xbb\xbf"
 _MESH_HEADER: Final = 84  # bytes before the first facet of a binary mesh; 50 bytes a facet
-_MESH_ADVICE: Final = (
-    "stlc reads missions; a mesh of a site can be given as polygons or as GeoJSON"
-)
+_MESH_ADVICE: Final = "stlc reads missions; a mesh of a site can be given as polygons or as GeoJSON"
 
 
 def read_source(path: str | PathLike[str]) -> Source:

@@ -139,9 +139,7 @@ class _Splitter:
         if self.open:
             token = self.open[-1]
             span = self.source.span(token.start, token.end)
-            self._blame(
-                UnclosedBracket(span=span, opened=token.text, closing=CLOSING[token.text])
-            )
+            self._blame(UnclosedBracket(span=span, opened=token.text, closing=CLOSING[token.text]))
         chunk, self.chunk = self.chunk, Chunk()
         self.open.clear()
         self.previous = None
