@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -50,6 +50,24 @@ class Scip:
         require(self)
         if (answer := trivial(self, model, options)) is not None:
             return answer
+        answer = self._solve(model, options)
+        doubtful = answer.status is Status.INFEASIBLE or _is_fractional(model, answer.x)
+        if not doubtful or _PRESOLVE in options.extra:
+            return answer
+        return self._without_presolve(model, options, answer)
+
+    def _without_presolve(self, model: Model, options: SolveOptions, first: Solution) -> Solution:
+        """SCIP's presolve lost plans that need every metre, and integrality: ask again."""
+        left = options.time_limit
+        if left is not None:
+            left = max(left - first.seconds, 0.1)
+        extra = {**options.extra, _PRESOLVE: 0}
+        again = self._solve(model, replace(options, time_limit=left, extra=extra))
+        if again.x is None:
+            return first
+        return replace(again, seconds=first.seconds + again.seconds)
+
+    def _solve(self, model: Model, options: SolveOptions) -> Solution:
         began = time.perf_counter()
         scip = _loaded(model)
         columns = _columns(scip, model)
@@ -76,6 +94,16 @@ class Scip:
             ignored(self, options),
             str(scip.getStatus()),
         )
+
+
+_PRESOLVE = "presolving/maxrounds"
+
+
+def _is_fractional(model: Model, x: Floats | None) -> bool:
+    if x is None:
+        return False
+    off = np.abs(x - np.round(x))[model.integrality == 1]
+    return bool(np.max(off, initial=0.0) > 1e-4)
 
 
 def _scip() -> Any:

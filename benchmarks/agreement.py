@@ -4,7 +4,8 @@
 
 Each mission is written in the language, compiled once, given to each installed backend with a
 relative gap of 1e-6, certified against the model and verified against the mission. `infeasible`
-is an answer too: then all have to say so. Prints the missions on which they differ.
+is an answer too: then all have to say so. Prints the missions on which they differ, or on which
+one of them failed (SciPy's older HiGHS does now and then) or was refused by certification.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ import numpy as np
 
 from stlc import backends
 from stlc.backends.base import Solution, SolveOptions, Status
-from stlc.errors import InfeasibleError
+from stlc.errors import InfeasibleError, SolverError
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.mission import Mission
 from stlc.solve.certify import certify
@@ -26,6 +27,8 @@ from stlc.solve.driver import judge_point
 
 SIZE = 8  # the workspace is [0, 8] x [0, 8]
 CLOSE = 1e-4  # relative difference of objectives that a gap of 1e-6 and tolerances explain
+REFUSED = "refused"  # by certification
+ASIDE = {REFUSED, Status.FAILED.value}  # no answer that anybody would see
 
 
 def random_mission(seed: int, folder: Path) -> str:
@@ -111,7 +114,10 @@ def _answer(compiled: Compiled, mission: Mission, name: str) -> str | float:
     solution: Solution = backends.get(name).solve(compiled.model, asked)
     if solution.x is None:
         return solution.status.value
-    certified = certify(compiled.model, solution, options=asked)
+    try:
+        certified = certify(compiled.model, solution, options=asked)
+    except SolverError:
+        return REFUSED
     _, report = judge_point(mission, compiled, solution, asked)
     if not report.ok:
         return "the verifier refuses the plan"
@@ -123,7 +129,8 @@ def _answer(compiled: Compiled, mission: Mission, name: str) -> str | float:
 
 
 def agree(found: dict[str, str | float]) -> bool:
-    """One objective, or one verdict."""
+    """One objective, or one verdict, of all that didn't fail and weren't refused."""
+    found = {k: v for k, v in found.items() if v not in ASIDE}
     values = [v for v in found.values() if isinstance(v, float)]
     if len(values) < len(found):
         return set(found.values()) == {Status.INFEASIBLE.value}
@@ -166,7 +173,7 @@ def main() -> int:
         while tally.total() - tally["intervals"] < words.count:  # those that solvers have seen
             verdict, found = judge_seed(seed, Path(folder), names)
             tally[verdict] += 1
-            if verdict == "differ":
+            if verdict == "differ" or ASIDE & set(found.values()):
                 print(f"seed {seed}: {found}", flush=True)
             seed += 1
     solved = tally.total() - tally["intervals"]
