@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, cast
 
 from stlc.backends.base import Capability, Solution, SolveOptions, Status
@@ -46,6 +46,8 @@ class ScipyMilp:
             return answer
         began = time.perf_counter()
         result = _run(model, options)
+        if result.status == 2 and "presolve" not in options.extra:
+            result = _without_presolve(model, options, result)
         status = _status(result)
         if status is None:
             status = infeasible_or_unbounded(self, model, options)
@@ -66,6 +68,12 @@ class ScipyMilp:
             ignored(self, options),
             str(result.message),
         )
+
+
+def _without_presolve(model: Model, options: SolveOptions, first: Any) -> Any:
+    """SciPy's HiGHS 1.12 calls some feasible missions infeasible: ask again, without presolve."""
+    again = _run(model, replace(options, extra={**options.extra, "presolve": False}))
+    return first if again.status in (1, 2) else again  # at a limit the first verdict stands
 
 
 def _run(model: Model, options: SolveOptions) -> Any:
