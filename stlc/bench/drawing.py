@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from stlc.backends.base import relative_gap
 from stlc.bench.measures import Curve, Growth
 from stlc.plot.style import RC, Look
 
@@ -132,10 +133,8 @@ def finite_gaps(points: Sequence[tuple[float | None, ...]]) -> Curve:
     """Seconds and gaps of a trace, where both incumbent and bound are known, within 1e-5 and 10."""
     xs, ys = [], []
     for seconds, objective, bound, *_ in points:
-        if seconds is None or objective is None or bound is None:
-            continue
-        gap = abs(objective - bound) / max(abs(objective), 1e-10)
-        if math.isfinite(gap):
+        gap = relative_gap(objective, bound)
+        if seconds is not None and gap is not None and math.isfinite(gap):
             xs.append(seconds)
             ys.append(min(max(gap, _LEAST_GAP), _MOST_GAP))
     return xs, ys

@@ -47,17 +47,8 @@ class Block:
         """Number of members."""
         return int(np.prod(self.shape, dtype=np.int64))
 
-    def names(self) -> list[str]:
-        """Names of the members: `name_i_j`, letters, digits and `_` only."""
-        if not self.shape:
-            return [self.name]
-        names = [self.name]
-        for extent in self.shape:
-            names = [f"{n}_{i}" for n in names for i in range(extent)]
-        return names
-
     def member(self, number: int) -> str:
-        """Name of one member, without those of the others."""
+        """Name of one member: `name_i_j`, letters, digits and `_` only."""
         place = np.unravel_index(number, self.shape) if self.shape else ()
         return "_".join([self.name, *(str(int(i)) for i in place)])
 
@@ -99,19 +90,11 @@ class Model:
         """Number of stored coefficients of A."""
         return int(self.A.nnz)
 
-    def col_names(self) -> list[str]:
-        """Names of all columns, in order."""
-        return [n for b in self.col_blocks for n in b.names()]
-
     def col_name(self, column: int) -> str:
         """Name of one column."""
         starts = [b.start for b in self.col_blocks]
         block = self.col_blocks[bisect_right(starts, column) - 1]
         return block.member(column - block.start)
-
-    def row_names(self) -> list[str]:
-        """Names of all rows, in order."""
-        return [n for b in self.row_blocks for n in b.names()]
 
     def row_block(self, row: int) -> Block:
         """The block a row belongs to."""

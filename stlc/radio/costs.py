@@ -100,11 +100,6 @@ def _notes(cost: CostName, clamped: int) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def decreasing_in_mean(cost: CostName) -> bool:
-    """True when a stronger link never costs more (`paper_inv_rssi` jumps at 0 dBm)."""
-    return cost is not CostName.PAPER_INV_RSSI
-
-
 def normalised(values: Array) -> tuple[Array, float]:
     """`values` divided by their static range max - min, and that range (1 when constant)."""
     spread = float(values.max() - values.min()) if values.size else 0.0

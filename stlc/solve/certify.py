@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 
 from stlc.backends import get
-from stlc.backends.base import Backend, Floats, Solution, SolveOptions, Status
+from stlc.backends.base import Backend, Floats, Solution, SolveOptions, Status, relative_gap
 from stlc.errors import SolverError
 from stlc.milp.model import Model
 from stlc.solve.violations import Violations, big_m_warnings, exact_objective, violations
@@ -47,7 +47,7 @@ class Certified:
         """Relative gap between the certified objective and the solver's bound, not negative."""
         if self.objective is None or self.bound is None:
             return None
-        return max(0.0, self.objective - self.bound) / max(abs(self.objective), 1e-10)
+        return relative_gap(self.objective, min(self.bound, self.objective))
 
     def as_dict(self) -> dict[str, object]:
         """JSON form: point, objective and claim apart."""

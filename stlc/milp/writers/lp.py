@@ -21,11 +21,6 @@ _PER_LINE = 3  # terms: 3 x (160 + 25) characters stay below the limits of all r
 _CHUNK = 1 << 15  # rows formatted at a time
 
 
-def lp_bytes(model: Model, columns: Texts, rows: Texts) -> bytes:
-    """The whole file."""
-    return b"".join(lp_chunks(model, columns, rows))
-
-
 def lp_chunks(model: Model, columns: Texts, rows: Texts) -> Iterator[bytes]:
     """The file piece by piece. Raises OutputError when a coefficient is not finite."""
     low, high = model.row_lower, model.row_upper

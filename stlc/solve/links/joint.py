@@ -157,12 +157,3 @@ def _unique_rows(keys: Floats) -> tuple[Floats, Ints]:
     view = rounded.view([("", rounded.dtype)] * rounded.shape[1]).ravel()
     _, first, inverse = np.unique(view, return_index=True, return_inverse=True)
     return keys[first], inverse
-
-
-def by_cell(values: Singles, first: Ints, second: Ints, cells: int) -> Singles:
-    """(cells, cells): least entry for each pair of cells; first and second are sorted."""
-    out = np.full((cells, cells), np.inf, np.float32)
-    u, at_u = np.unique(first, return_index=True)
-    v, at_v = np.unique(second, return_index=True)
-    out[np.ix_(u, v)] = np.minimum.reduceat(np.minimum.reduceat(values, at_u, 0), at_v, 1)
-    return out
