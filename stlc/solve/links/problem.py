@@ -83,8 +83,9 @@ class Problem:
     """Agents on the cells of one grid; cells number ix * ny + iy.
 
     pairs[i, j][t] is (n, n) or None, alone[i][t] (n,) or None: link costs at step t = 0..T.
-    `rest` is a lower bound on the part of the objective that stands nowhere here. `owner` (n,)
-    maps a cell to the partition's own cell, -1 where there is none.
+    `rest` is a lower bound on the part of the objective that no pair counts: what stands nowhere
+    here, and the own costs of agents in no pair. `owner` (n,) maps a cell to the partition's own
+    cell, -1 where there is none.
     """
 
     steps: int

@@ -8,12 +8,14 @@ counter-clockwise; fewer than three points are a segment, a point or nothing.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import hypot
 
 import numpy as np
 
 from stlc.solve.links.problem import Body, Bools, Floats
 
 EPS = 1e-7
+FLAT = 1e-9  # a vertex this near to the chord of its neighbours is left out; well within EPS
 Box = tuple[float, float, float, float]
 
 
@@ -29,14 +31,16 @@ def hull(points: Floats) -> Floats:
 def _chain(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
     out: list[tuple[float, float]] = []
     for point in points:
-        while len(out) >= 2 and _turn(out[-2], out[-1], point) <= 1e-13:
+        while len(out) >= 2 and _beyond(out[-2], out[-1], point) <= FLAT:
             out.pop()
         out.append(point)
     return out
 
 
-def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
-    return (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
+def _beyond(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    """How far b lies to the right of the chord from a to c."""
+    turn = (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
+    return turn / hypot(c[0] - a[0], c[1] - a[1])
 
 
 def clip(poly: Floats, normal: Floats, offset: float) -> Floats:
@@ -118,6 +122,46 @@ def boxes_meet(boxes: Floats, poly: Floats) -> Bools:
     least = np.minimum(np.outer(boxes[:, 0], n[:, 0]), np.outer(boxes[:, 1], n[:, 0]))
     least += np.minimum(np.outer(boxes[:, 2], n[:, 1]), np.outer(boxes[:, 3], n[:, 1]))
     return np.asarray((least <= o).all(1))
+
+
+def meeting(boxes: Floats, poly: Floats) -> Floats:
+    """(n, 4): bounds of the part of each box (n, 4) that lies in the polygon, a little widened;
+    low inf and high -inf where there is none."""
+    low, high = boxes[:, ::2] - 10 * EPS, boxes[:, 1::2] + 10 * EPS
+    points = [_corners(low, high, poly), np.broadcast_to(poly, (len(boxes), *poly.shape))]
+    if len(poly) > 1:
+        points.append(_crossings(low, high, poly))
+    at = np.concatenate(points, axis=1)
+    known = ((at >= low[:, None] - EPS) & (at <= high[:, None] + EPS)).all(2)[:, :, None]
+    least = np.where(known, at, np.inf).min(1) - 10 * EPS
+    most = np.where(known, at, -np.inf).max(1) + 10 * EPS
+    out = np.empty((len(boxes), 4))
+    out[:, ::2], out[:, 1::2] = np.maximum(least, boxes[:, ::2]), np.minimum(most, boxes[:, 1::2])
+    return np.where(known.any(1), out, np.array([np.inf, -np.inf] * 2))
+
+
+def _corners(low: Floats, high: Floats, poly: Floats) -> Floats:
+    """(n, 4, 2): corners of boxes that lie in a polygon, nan for the others."""
+    xs, ys = np.stack([low[:, 0], high[:, 0]], 1), np.stack([low[:, 1], high[:, 1]], 1)
+    at = np.stack([xs[:, [0, 1, 0, 1]], ys[:, [0, 0, 1, 1]]], axis=2)
+    if len(poly) < 3:
+        return np.full_like(at, np.nan)
+    normal = _normals(poly)
+    inside = (at @ normal.T <= (normal * poly).sum(1) + 10 * EPS).all(2)
+    return np.where(inside[:, :, None], at, np.nan)
+
+
+def _crossings(low: Floats, high: Floats, poly: Floats) -> Floats:
+    """(n, 4 k, 2): where the polygon's edges cross the lines of each box's sides."""
+    found = []
+    step = np.roll(poly, -1, 0) - poly
+    for axis in (0, 1):
+        for side in (low[:, axis], high[:, axis]):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                share = (side[:, None] - poly[None, :, axis]) / step[None, :, axis]
+                at = poly[None] + share[:, :, None] * step[None]
+            found.append(np.where(((share >= 0) & (share <= 1))[:, :, None], at, np.nan))
+    return np.concatenate(found, axis=1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

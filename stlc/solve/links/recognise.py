@@ -15,7 +15,8 @@ import numpy as np
 from stlc.ir.nodes import And, Linear, Node, Or, Role
 from stlc.milp.compile import Compiled
 from stlc.milp.context import Ranges
-from stlc.mission import Agent, Channel, ObjectiveTerm, TermKind
+from stlc.mission import Agent, Channel, Dynamics, ObjectiveTerm, TermKind
+from stlc.radio.partition import Partition
 from stlc.scales import static_range, steps_of
 from stlc.solve.links.problem import Apart, Axis, Body, Floats, Ints, Place, Problem
 
@@ -26,7 +27,7 @@ def recognise(compiled: Compiled) -> Problem | None:
     """The relaxation's view, or None where it has nothing to say."""
     mission = compiled.mission
     links = [t for t in mission.objective if t.kind is TermKind.LINK_COST and t.weight != 0]
-    efforts = [t for t in mission.objective if t.kind is TermKind.EFFORT]
+    efforts = [t for t in mission.objective if t.kind is TermKind.EFFORT and t.weight != 0]
     if len(links) + len(efforts) < sum(t.weight != 0 for t in mission.objective):
         return None
     if any(t.weight < 0 for t in efforts) or mission.horizon < 2:
@@ -38,14 +39,16 @@ def recognise(compiled: Compiled) -> Problem | None:
     channel = mission.channels[main.channel]
     bodies = [_body(compiled, mission.agents[n], efforts) for n in names]
     found = [b for b in bodies if b is not None]
-    if len(found) < len(bodies) or not _inside(compiled, names, channel):
+    if len(found) < len(bodies) or not _inside(compiled, names, channel.partition):
         return None
     return _with_costs(compiled, found, links, channel)
 
 
-def _inside(compiled: Compiled, names: Sequence[str], channel: Channel) -> bool:
-    """Whether agents stay on the partition throughout."""
-    low, high = channel.partition.low.min(0), channel.partition.high.max(0)
+def _inside(compiled: Compiled, names: Sequence[str], partition: Partition) -> bool:
+    """Whether agents stay on the partition throughout; it may have no holes."""
+    low, high = partition.low.min(0), partition.high.max(0)
+    if (partition.common_grid()[1] < 0).any():
+        return False
     return all(
         (compiled.ranges[n].position_lower >= low - 1e-6).all()
         and (compiled.ranges[n].position_upper <= high + 1e-6).all()
@@ -85,6 +88,9 @@ def _with_costs(
             for t in steps_of(mission, term)[0]:
                 known = into[t]
                 into[t] = table if known is None else known + table
+    for i, own in enumerate(alone):
+        if not any(i in pair for pair in pairs):
+            rest += sum(float(cost.min()) for cost in own if cost is not None)
     key = np.ascontiguousarray(partition.boxes, dtype=np.float64).tobytes()
     return Problem(
         steps, fine.edges, tuple(bodies), {k: tuple(v) for k, v in pairs.items()},
@@ -103,6 +109,8 @@ def _body(compiled: Compiled, agent: Agent, efforts: Sequence[ObjectiveTerm]) ->
     if axes[0] is None or axes[1] is None:
         return None
     pair = (axes[0], axes[1])
+    if not _independent(agent.dynamics, pair):
+        return None
     avoid: dict[int, list[tuple[Floats, ...]]] = {}
     places: tuple[Place, ...] = ()
     for node, columns, margin in _asserted(compiled):
@@ -120,6 +128,13 @@ def _body(compiled: Compiled, agent: Agent, efforts: Sequence[ObjectiveTerm]) ->
     return Body(
         agent.name, pair, _faces(agent, pair), {t: tuple(g) for t, g in avoid.items()}, places
     )
+
+
+def _independent(dyn: Dynamics, axes: tuple[Axis, Axis]) -> bool:
+    """Whether no state and no input belongs to both axes: their efforts are added up."""
+    states = [{axis.state, axis.speed} - {None} for axis in axes]
+    inputs = [set(np.flatnonzero(dyn.B[axis.state])) for axis in axes]
+    return not (states[0] & states[1] or inputs[0] & inputs[1])
 
 
 def _cut(box: Floats, axes: tuple[Axis, Axis], t: int) -> Floats:
