@@ -18,16 +18,20 @@ class AxisGrid:
     """box (n, 4): p_lo, p_hi, w_lo, w_hi; cell (n,) along the axis; thin (n,): next to no width.
 
     host (n, 2): the part of the cell that a thin box lies at the end of, else the box itself.
+    room (n, 4): the part of the box that can be reached, in which steps begin and end.
     """
 
     box: Floats
     cell: Ints
     thin: Bools
     host: Floats
+    room: Floats
 
     def take(self, kept: Ints) -> AxisGrid:
         """Some of the boxes."""
-        return AxisGrid(self.box[kept], self.cell[kept], self.thin[kept], self.host[kept])
+        return AxisGrid(
+            self.box[kept], self.cell[kept], self.thin[kept], self.host[kept], self.room[kept]
+        )
 
 
 def axis_grid(edges: Floats, faces: Sequence[float], rates: Floats) -> AxisGrid:
@@ -51,7 +55,7 @@ def axis_grid(edges: Floats, faces: Sequence[float], rates: Floats) -> AxisGrid:
     rate = np.stack([np.tile(rates[:-1], len(span)), np.tile(rates[1:], len(span))], 1)
     box = np.hstack([np.repeat(span, bins, axis=0), rate])
     narrow = np.repeat(span[:, 1] - span[:, 0] <= 2 * TOUCH, bins)
-    return AxisGrid(box, np.repeat(cell, bins), narrow, np.repeat(host, bins, axis=0))
+    return AxisGrid(box, np.repeat(cell, bins), narrow, np.repeat(host, bins, axis=0), box)
 
 
 def _borders(edges: Floats, faces: Sequence[float]) -> list[tuple[float, float, int]]:
@@ -74,9 +78,8 @@ def _host(parts: Floats, ends: Floats) -> Floats:
 
 def point_grid(p: float, w: float) -> AxisGrid:
     """One state. Its cell is never asked for."""
-    return AxisGrid(
-        np.array([[p, p, w, w]]), np.zeros(1, np.int64), np.zeros(1, bool), np.array([[p, p]])
-    )
+    box = np.array([[p, p, w, w]])
+    return AxisGrid(box, np.zeros(1, np.int64), np.zeros(1, bool), box[:, :2], box)
 
 
 def feasible_pairs(src: Floats, dst: Floats, axis: Axis) -> tuple[Ints, Ints]:

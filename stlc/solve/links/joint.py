@@ -64,11 +64,11 @@ class Joint:
                 )
                 for d, (src, dst, (i, j)) in enumerate(ways):
                     key = np.empty((len(i), 11))
-                    key[:, :4], key[:, 4:8] = src.box[i], dst.box[j]
-                    key[:, [0, 1, 4, 5]] -= src.box[i, :1]
+                    key[:, :4], key[:, 4:8] = src.room[i], dst.room[j]
+                    key[:, [0, 1, 4, 5]] -= src.room[i, :1]
                     key[:, 8:] = n, t, d
                     rows.append(key)
-                    shifts.append(src.box[i, 0])
+                    shifts.append(src.room[i, 0])
                     self._where.append((n, t, d))
         self._cuts = np.cumsum([len(r) for r in rows])[:-1]
         self._shift = np.concatenate(shifts)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stlc.solve.links.boxes import EPS, AxisGrid, axis_grid, point_grid
 from stlc.solve.links.problem import Axis, Body, Bools, Floats, Ints, Problem
-from stlc.solve.links.reach import Tubes, boxes_meet
+from stlc.solve.links.reach import Tubes, boxes_meet, meeting
 
 MARGIN = 1e-6
 
@@ -34,7 +34,7 @@ class Layer:
 
     def bounds(self) -> Floats:
         """(2, 4): p_lo, p_hi, w_lo, w_hi of all states along each axis."""
-        boxes = (self.x.box[self.ix], self.y.box[self.iy])
+        boxes = (self.x.room[self.ix], self.y.room[self.iy])
         return np.array(
             [[b[:, 0].min(), b[:, 1].max(), b[:, 2].min(), b[:, 3].max()] for b in boxes]
         )
@@ -82,14 +82,15 @@ class Maker:
         ix, iy, parent = ix[keep], iy[keep], parent[:, keep]
         alive = reach_bits(self.body, self.tubes, self.taken, t, x, y, ix, iy) & (parent >= 0)
         bit, position = np.nonzero(alive)
-        return self._sorted(x, y, ix[position], iy[position], bit, parent[bit, position])
+        return self._sorted(t, x, y, ix[position], iy[position], bit, parent[bit, position])
 
     def _sorted(
-        self, x: AxisGrid, y: AxisGrid, ix: Ints, iy: Ints, bit: Ints, parent: Ints
+        self, t: int, x: AxisGrid, y: AxisGrid, ix: Ints, iy: Ints, bit: Ints, parent: Ints
     ) -> Layer:
         used_x, ix = np.unique(ix, return_inverse=True)
         used_y, iy = np.unique(iy, return_inverse=True)
         x, y = x.take(used_x), y.take(used_y)
+        x, y = drawn_in(self.tubes, self.taken, t, x, y)
         cell = x.cell[ix] * self.problem.shape[1] + y.cell[iy]
         order = np.lexsort((iy, ix, bit, cell))
         return Layer(x, y, ix[order], iy[order], bit[order], cell[order], parent[order])
@@ -171,6 +172,20 @@ def reach_bits(
             left = left[boxes_meet(boxes[left], tubes.sets[number][j][t])]
         fine[bit, left] = True
     return fine
+
+
+def drawn_in(
+    tubes: Tubes, taken: Sequence[int], t: int, x: AxisGrid, y: AxisGrid
+) -> tuple[AxisGrid, AxisGrid]:
+    """The grids with their room drawn in around what the tubes of some alternative reach."""
+    made = []
+    for d, grid in enumerate((x, y)):
+        parts = np.array([meeting(grid.room, tubes.sets[d][j][t]) for j in taken])
+        low, high = parts[:, :, ::2].min(0), parts[:, :, 1::2].max(0)
+        room = np.stack([low[:, 0], high[:, 0], low[:, 1], high[:, 1]], 1)
+        room = np.where((low <= high).all(1)[:, None], room, grid.room)
+        made.append(replace(grid, room=room))
+    return made[0], made[1]
 
 
 def _projected(x: AxisGrid, y: AxisGrid, ix: Ints, iy: Ints, d: Floats) -> Floats:

@@ -132,7 +132,8 @@ def meeting(boxes: Floats, poly: Floats) -> Floats:
     if len(poly) > 1:
         points.append(_crossings(low, high, poly))
     at = np.concatenate(points, axis=1)
-    known = ((at >= low[:, None] - EPS) & (at <= high[:, None] + EPS)).all(2)[:, :, None]
+    within = (at >= low[:, None] - EPS) & (at <= high[:, None] + EPS)
+    known = np.asarray(within.all(2))[:, :, None]
     least = np.where(known, at, np.inf).min(1) - 10 * EPS
     most = np.where(known, at, -np.inf).max(1) + 10 * EPS
     out = np.empty((len(boxes), 4))

@@ -11,13 +11,13 @@ from __future__ import annotations
 import heapq
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stlc.solve.links.descent import Descent
 from stlc.solve.links.joint import Joint
-from stlc.solve.links.layers import Layer, Maker, rate_borders, reach_bits, restrict
+from stlc.solve.links.layers import Layer, Maker, drawn_in, rate_borders, reach_bits, restrict
 from stlc.solve.links.problem import Bools, Floats
 from stlc.solve.links.reach import tubes
 from stlc.solve.links.restrict import potentials, relax
@@ -271,7 +271,8 @@ class Search:
                 self.bodies[n], self.tubes[n], part, t, layer.x, layer.y, layer.ix, layer.iy
             )
             keep = np.asarray(bits[layer.bit, np.arange(len(layer))], dtype=bool)
-            row[t] = restrict(layer, keep)
+            x, y = drawn_in(self.tubes[n], part, t, layer.x, layer.y)
+            row[t] = restrict(replace(layer, x=x, y=y), keep)
             masks[t] = masks[t][keep] if n == 0 else masks[t][:, keep]
         rows = (row, node.layers[1]) if n == 0 else (node.layers[0], row)
         taken = (part, node.taken[1]) if n == 0 else (node.taken[0], part)

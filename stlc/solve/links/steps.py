@@ -92,8 +92,8 @@ def make_step(body: Body, t: int, a: Layer, b: Layer) -> Step:
     """All abstract steps from layer t to t + 1. A state whose choice is behind also follows one
     whose choice is ahead, where its boxes meet an alternative of step t + 1."""
     width = len(a.y.box)
-    along_x = feasible_pairs(a.x.box, b.x.box, body.axes[0])
-    along_y = feasible_pairs(a.y.box, b.y.box, body.axes[1])
+    along_x = feasible_pairs(a.x.room, b.x.room, body.axes[0])
+    along_y = feasible_pairs(a.y.room, b.y.room, body.axes[1])
     count = np.bincount(along_x[0], minlength=len(a.x.box))
     from_a, edge_a = _spread(np.cumsum(count) - count, count, a.ix)
     key_a = (along_x[1][edge_a] * width + a.iy[from_a]) * 2 + a.bit[from_a]
