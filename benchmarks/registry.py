@@ -4,13 +4,64 @@ from stlc.bench.problem import Problem, Suite
 
 
 def _made(
-    folder: str, name: str, generator: str, axis: str = "", quick: bool = False, **parameters: int
+    folder: str,
+    name: str,
+    generator: str,
+    axis: str = "",
+    quick: bool = False,
+    family: str = "",
+    data: tuple[str, ...] = (),
+    **parameters: int,
 ) -> Problem:
-    """A generated problem; `axis` names the parameter that a growth curve is drawn over."""
-    size = float(parameters[axis]) if axis else 0.0
-    family = f"{generator} {axis}" if axis else ""
+    """A generated problem; `axis` names the parameters (by spaces) that growth curves run over."""
+    axes = {f"{generator} {one}": float(parameters[one]) for one in axis.split()}
     file = f"{folder}/{name}.stl"
-    return Problem(name, file, (), generator, parameters, family, size, quick)
+    return Problem(name, file, data, generator, parameters, axes, family, quick)
+
+
+_TABLE = "headline/links_c{cells}_s{seed}.npz"
+
+
+def _links(
+    family: str, seeds: range, axis: str, agents: int = 2, steps: int = 8, cells: int = 10
+) -> tuple[Problem, ...]:
+    """Random missions with link costs; those of one size and seed share their table."""
+    return tuple(
+        _made(
+            "headline",
+            f"links_a{agents}_t{steps}_c{cells}_s{seed}",
+            "links",
+            axis,
+            False,
+            family,
+            (_TABLE.format(cells=cells, seed=seed),),
+            agents=agents,
+            steps=steps,
+            cells=cells,
+            seed=seed,
+        )
+        for seed in seeds
+    )
+
+
+def _talks(kind: int, name: str, *sizes: tuple[int, int, int]) -> tuple[Problem, ...]:
+    """Requirements on the channel; `sizes` are agents, steps, cells."""
+    return tuple(
+        _made(
+            "headline",
+            f"{name}_a{a}_t{t}_c{c}",
+            "talks",
+            "",
+            a == 2 and t == 8,
+            f"{name} required",
+            kind=kind,
+            agents=a,
+            steps=t,
+            cells=c,
+            seed=0,
+        )
+        for a, t, c in sizes
+    )
 
 
 PAPER = Suite(
@@ -22,6 +73,31 @@ PAPER = Suite(
     ),
     ("auto", "auto:milp", "literal-tight:milp", "literal:milp"),
 )
+
+_TEN, _TWO = range(10), range(2)
+
+HEADLINE = Suite(
+    "headline",
+    "the paper's case and families around it: other tables, places, sizes; requirements on links",
+    (
+        Problem("two_agents_t8", "two_agents_t8.stl", ("two_agents_t8_link_cost.csv",),
+                family="two_agents_t8"),
+        *(_made("headline", f"two_agents_t8_table{s}", "headline", "", False, "its tables 1 to 5",
+                (_TABLE.format(cells=10, seed=s),), seed=s) for s in range(1, 6)),
+        *_links("ten random of its size", _TEN, "agents steps cells"),
+        *_links("12 steps", _TWO, "steps", steps=12),
+        *_links("16 steps", _TWO, "steps", steps=16),
+        *_links("15 x 15 cells", _TWO, "cells", cells=15),
+        *_links("20 x 20 cells", _TWO, "cells", cells=20),
+        *_links("3 agents", _TWO, "agents", agents=3),
+        *_links("4 agents", _TWO, "agents", agents=4),
+        *_links("6 agents", _TWO, "agents", agents=6),
+        *_links("4 agents, 12 steps, 20 x 20", _TWO, "", agents=4, steps=12, cells=20),
+        *_talks(0, "rssi", (2, 8, 10), (2, 12, 20), (3, 12, 10), (4, 12, 20)),
+        *_talks(1, "ber", (2, 8, 10), (2, 12, 20), (4, 8, 10)),
+        *_talks(2, "prr", (2, 8, 20), (3, 12, 10), (4, 12, 10)),
+    ),
+)  # fmt: skip
 
 STLPY = Suite(
     "stlpy",
@@ -100,4 +176,4 @@ ABLATION = Suite(
     tuple(f"{name}:milp" for name in ("auto", "onehot", "stl=unary", "log", "bigm", "stl=hull")),
 )
 
-SUITES = (PAPER, STLPY, RADIO, TEAMS, SCALING, ABLATION)
+SUITES = (PAPER, HEADLINE, STLPY, RADIO, TEAMS, SCALING, ABLATION)

@@ -54,13 +54,13 @@ def carts(starts: Sequence[tuple[float, float]]) -> list[str]:
     return lines
 
 
-def channel(cells: int) -> list[str]:
-    """The paper's channel on cells x cells cells."""
+def channel(cells: int, noise: float = -60) -> list[str]:
+    """The paper's channel on cells x cells cells; noise floor [dBm]."""
     return [
         "channel radio {",
         "  path_loss L0 = -12.89 dBm, n = 3",
         "  fading 10 dB^2, shadowing 10 dB^2, length 2 m",
-        "  noise_floor -60 dBm",
+        f"  noise_floor {noise:g} dBm",
         "  modulation oqpsk_802_15_4",
         "  packet 32 bytes",
         f"  partition {cells} x {cells}",

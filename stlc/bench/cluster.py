@@ -25,6 +25,8 @@ def run_on_cluster(
     when the cluster can't be reached, is lost, or a run kills its workers again and again.
     """
     word = f"stlc-bench-{uuid.uuid4().hex}"
+    if not jobs:
+        return
     with connect(address) as client:
         futures = {
             client.submit(

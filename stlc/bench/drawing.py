@@ -9,7 +9,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from stlc.backends.base import relative_gap
-from stlc.bench.measures import Curve, Growth
+from stlc.bench.growth import Growth
+from stlc.bench.measures import Curve
 from stlc.plot.style import RC, Look
 
 Styles = Mapping[str, Look]
@@ -71,9 +72,10 @@ def gap_svg(curves: Mapping[str, Curve], styles: Styles) -> str:
 
 
 def _legend(curve: Growth) -> str:
+    missing = f", {curve.missing} without" if curve.missing else ""
     if curve.exponent is None:
-        return curve.label
-    return f"{curve.label}: exponent {curve.exponent:.2f} (R² {curve.quality:.2f})"
+        return f"{curve.label}{missing}"
+    return f"{curve.label}: exponent {curve.exponent:.2f} (R² {curve.quality:.2f}{missing})"
 
 
 def _axes(x: str, y: str) -> tuple[Any, Any]:

@@ -35,7 +35,7 @@ class Group:
 
     @property
     def seconds(self) -> float:
-        """Median time of solver and strategy; a run without proof counts with its time limit."""
+        """Median of the time that is compared, see `seconds_of`."""
         return median(seconds_of(run) for run in self.runs)
 
     @property
@@ -56,15 +56,24 @@ _RANK = (
 )  # fmt: skip
 
 
-def seconds_of(run: Record) -> float:
-    """Time to proof of the solver (and strategy) alone, the time limit where there is none.
+_AT_LIMIT = ("feasible", "no_plan")
 
-    What interval analysis proves infeasible needs no solver: then it is the time to compile.
+
+def seconds_of(run: Record) -> float:
+    """Time to proof of the solver (and strategy) alone: processor time of a run with one thread,
+    for a busy machine stretches the other; wall time otherwise.
+
+    A run without proof counts with its time limit, or with the processor time it got until then
+    if that is less. What interval analysis proves infeasible needs no solver: then it is the time
+    to compile.
     """
+    own = run.cpu_seconds if run.threads == 1 else None
     if not run.solved:
-        return run.time_limit
-    seconds = run.solver_seconds if run.solver_seconds is not None else run.proof
-    return run.time_limit if seconds is None else seconds
+        if own is None or run.status not in _AT_LIMIT:
+            return run.time_limit
+        return min(run.time_limit, own)
+    known = (s for s in (own, run.solver_seconds, run.proof) if s is not None)
+    return next(known, run.time_limit)
 
 
 def groups_of(records: Iterable[Record]) -> list[Group]:

@@ -57,8 +57,8 @@ class Job:
     limits: Limits
     repeat: int
     code: str
-    axis: str = ""
-    size: float = 0.0
+    axes: Mapping[str, float] = field(default_factory=dict)
+    family: str = ""
 
     @property
     def digest(self) -> str:
@@ -76,6 +76,11 @@ class Job:
             self.repeat, self.code,
         ]  # fmt: skip
         return hashlib.sha256(json.dumps(words, sort_keys=True).encode()).hexdigest()
+
+    @property
+    def series(self) -> tuple[str, str, str]:
+        """What its repeats have in common."""
+        return self.suite, self.problem, self.config.label
 
     @property
     def title(self) -> str:

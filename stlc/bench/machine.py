@@ -7,6 +7,7 @@ import hashlib
 import os
 import platform
 import sys
+import time
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -62,6 +63,12 @@ def processor() -> str:
 def load() -> float | None:
     """1-minute load average, where the system has one."""
     return os.getloadavg()[0] if hasattr(os, "getloadavg") else None
+
+
+def cpu_seconds() -> float:
+    """Processor time of this process, all its threads, and of the children it waited for."""
+    times = os.times()
+    return time.process_time() + times.children_user + times.children_system
 
 
 def peak_memory() -> int | None:

@@ -24,8 +24,9 @@ def shifted_geometric_mean(values: Iterable[float], shift: float = SHIFT) -> flo
 class Summary:
     """One configuration over a suite. Ratios are to the reference, on the problems both have.
 
-    `geometric` and `worst` leave out problems that neither solved: two time limits say nothing.
-    Where one of the two was solved, a ratio is a bound.
+    `geometric`, `least` and `greatest` leave out problems that neither solved: two time limits say
+    nothing. Where only one of the two was solved, a ratio is a bound: `mark` says which way the
+    geometric mean is one.
     """
 
     label: str
@@ -35,7 +36,9 @@ class Summary:
     mean: float  # shifted geometric mean of seconds
     ratio: float | None  # of the shifted geometric means
     geometric: float | None  # geometric mean of the ratios of times, each at least 0.01 s
-    worst: float | None  # the greatest ratio of times
+    mark: str  # "≥ ", "≤ ", "~ " where both kinds of bounds mix, or nothing
+    least: float | None  # ratio of times
+    greatest: float | None
 
 
 def summaries(table: Table) -> list[Summary]:
@@ -60,6 +63,8 @@ def _summary(table: Table, label: str) -> Summary:
         shifted_geometric_mean(g.seconds for g in mine.values()),
         means[0] / means[1] if common and means[1] > 0 else None,
         math.exp(math.fsum(map(math.log, ratios)) / len(ratios)) if ratios else None,
+        bound_mark((mine[p], reference[p]) for p in told),
+        min(ratios, default=None),
         max(ratios, default=None),
     )
 
@@ -67,6 +72,12 @@ def _summary(table: Table, label: str) -> Summary:
 def time_ratio(group: Group, reference: Group) -> float:
     """How many times longer than the reference; times below 0.01 s count as 0.01 s."""
     return max(group.seconds, _LEAST) / max(reference.seconds, _LEAST)
+
+
+def bound_mark(pairs: Iterable[tuple[Group, Group]]) -> str:
+    """How ratios of these (group, reference) are bounds, as a mark before a number."""
+    marks = {"≥ " if not a.solved else "≤ " for a, b in pairs if a.solved != b.solved}
+    return "~ " if len(marks) > 1 else next(iter(marks), "")
 
 
 Curve = tuple[list[float], list[float]]
@@ -106,45 +117,4 @@ def cactus(table: Table) -> dict[str, Curve]:
     for label in own_labels(table):
         times = sorted(max(g.seconds, _LEAST) for g in table.of(label).values() if g.solved)
         found[label] = ([float(k) for k in range(1, len(times) + 1)], times)
-    return found
-
-
-@dataclass(frozen=True, slots=True)
-class Growth:
-    """value ~ factor * size ** exponent, least squares over logarithms.
-
-    None without three sizes; `quality` is R^2 (1 for a perfect fit).
-    """
-
-    label: str
-    sizes: tuple[float, ...]
-    values: tuple[float, ...]
-    exponent: float | None
-    factor: float
-    quality: float
-
-
-def growth(label: str, points: Iterable[tuple[float, float]]) -> Growth:
-    """Fit positive points."""
-    pairs = sorted((x, y) for x, y in points if x > 0 and y > 0)
-    sizes, values = tuple(x for x, _ in pairs), tuple(y for _, y in pairs)
-    if len(set(sizes)) < 3:
-        return Growth(label, sizes, values, None, 0.0, 0.0)
-    import numpy as np
-
-    x, y = np.log(sizes), np.log(values)
-    exponent, offset = (float(v) for v in np.polyfit(x, y, 1))
-    left = float(np.sum((y - exponent * x - offset) ** 2))
-    total = float(np.sum((y - y.mean()) ** 2))
-    quality = 1.0 - left / total if total > 0 else 1.0
-    return Growth(label, sizes, values, exponent, math.exp(offset), quality)
-
-
-def families(table: Table) -> dict[str, list[Group]]:
-    """Groups that lie on a growth curve, by axis."""
-    found: dict[str, list[Group]] = {}
-    for label in own_labels(table):
-        for group in table.of(label).values():
-            if group.first.axis:
-                found.setdefault(group.first.axis, []).append(group)
     return found

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from stlc import backends
 from stlc.backends.base import Progress, Solution, SolveOptions, Status
 from stlc.bench.job import Job, Point, Update
+from stlc.bench.machine import cpu_seconds
 from stlc.bench.worker import Tell
 from stlc.errors import InfeasibleError, MissionError, SolverError, StlcError
 from stlc.milp.compile import Compiled, compile_mission
@@ -64,10 +65,10 @@ class _Run:
     def make(self) -> None:
         mission = self._read()
         compiled = self._compile(mission)
-        began = time.perf_counter()
+        began, cpu = time.perf_counter(), cpu_seconds()
         solution = self._solve(mission, compiled)
         self.send(
-            solver_seconds=time.perf_counter() - began,
+            solver_seconds=time.perf_counter() - began, cpu_seconds=cpu_seconds() - cpu,
             nodes=solution.nodes, solver=solution.solver_version, bound=solution.bound,
         )  # fmt: skip
         self._judge(mission, compiled, solution)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from html import escape
 from importlib.resources import files
 
 from stlc.bench.about import about, commands
 from stlc.bench.compare import Change
+from stlc.bench.families import Family, Spread, families_of, spread_text
 from stlc.bench.groups import Group, Table, disagreements, groups_of, tables_of
 from stlc.bench.html import Cell, number, table
-from stlc.bench.measures import Summary, own_labels, summaries, time_ratio
+from stlc.bench.measures import Summary, bound_mark, own_labels, summaries, time_ratio
 from stlc.bench.plots import plots
 from stlc.bench.record import Record
 
@@ -56,10 +58,13 @@ _TEMPLATE = """<!doctype html>
 
 _NOTES = (
     "Times are those of the solver and the search around it, without reading and compiling, which "
-    "have their own column; a run without proof counts with its time limit. Means are shifted "
-    "geometric means (shift 1 s); ratios are to the first configuration, times below 0.01 s "
-    "counting as 0.01 s. Every plan was certified against the model and verified against the "
-    "mission by an independent evaluator; peers' models have no mission and are certified only."
+    "have their own column: processor seconds of runs with one thread, wall seconds of others. A "
+    "run without proof counts with its time limit, so its ratio is a bound (≥, or ≤ where the "
+    "reference has no proof; ~ where a mean has both). First plan and proof are wall seconds since "
+    "the mission was first read. Means are shifted geometric means (shift 1 s); ratios are to the "
+    "first configuration, times below 0.01 s counting as 0.01 s. Every plan was certified "
+    "against the model and verified against the mission by an independent evaluator; peers' models "
+    "have no mission and are certified only."
 )
 
 
@@ -99,6 +104,9 @@ def _changes(name: str, changes: Sequence[Change]) -> str:
 def _section(one: Table) -> str:
     parts = [f'<section id="{escape(one.suite)}"><h2>Suite {escape(one.suite)}</h2>']
     parts.append(f'<div class="card scroll">{_summary_table(summaries(one))}</div>')
+    families = families_of(one)
+    if families:
+        parts.append(f'<div class="card scroll">{_family_table(families)}</div>')
     parts.append(_agreement(one))
     cards = [f'<div class="card"><h3>{escape(title)}</h3>{svg}</div>' for title, svg in plots(one)]
     parts.append(f'<div class="grid">{"".join(cards)}</div>')
@@ -122,20 +130,40 @@ def _agreement(one: Table) -> str:
 def _summary_table(lines: Sequence[Summary]) -> str:
     heads = (
         "configuration", "problems", "solved to proof", "with a certified plan",
-        "mean time [s]", "mean / reference", "geometric mean of ratios", "greatest ratio",
+        "mean time [s]", "mean / reference", "geometric mean of ratios", "least ratio",
+        "greatest ratio",
     )  # fmt: skip
     rows = [
         [Cell(s.label), number(s.problems, "d"), number(s.solved, "d"), number(s.plans, "d"),
-         number(s.mean, ".3f"), number(s.ratio, ".2f"), number(s.geometric, ".2f"),
-         number(s.worst, ".2f")]
+         number(s.mean, ".3f"), number(s.ratio, ".2f"), number(s.geometric, ".2f", s.mark),
+         number(s.least, ".2f"), number(s.greatest, ".2f")]
         for s in lines
     ]  # fmt: skip
     return table(heads, rows, text=1)
 
 
+def _family_table(families: Sequence[Family]) -> str:
+    heads = (
+        "median / worst of each family", "configuration", "problems", "with a plan", "proven",
+        "first plan [s]", "gap at 60 s", "proof [s]", "time of the solver [s]",
+    )  # fmt: skip
+    rows = [
+        [Cell(f.name), Cell(f.label), number(f.problems, "d"), number(f.plans, "d"),
+         number(f.proofs, "d"), _spread(f.first, f.limit), _spread(f.gap, None),
+         _spread(f.proof, f.limit), _spread(f.cpu, f.limit)]
+        for f in families
+    ]  # fmt: skip
+    return table(heads, rows, text=2)
+
+
+def _spread(spread: Spread, limit: float | None) -> Cell:
+    return Cell(spread_text(spread, limit), repr(min(spread.median, sys.float_info.max)))
+
+
 _HEADS = (
-    "problem", "configuration", "status", "objective", "gap", "LP bound", "time [s]", "range [s]",
-    "ratio", "first plan [s]", "compile [s]", "nodes", "columns", "binaries", "rows",
+    "problem", "configuration", "status", "objective", "gap", "gap at 60 s", "LP bound",
+    "time [s]", "range [s]", "ratio", "wall [s]", "first plan [s]", "proof [s]", "compile [s]",
+    "nodes", "columns", "binaries", "rows",
     "nonzeros", "memory [MB]", "note",
 )  # fmt: skip
 
@@ -154,17 +182,17 @@ def _row(label: str, group: Group, reference: Group | None) -> list[Cell]:
     value = group.value
     memory = value("peak_memory")
     ratio = None if reference is None else time_ratio(group, reference)
-    # An unsolved run is at least this much slower; an unsolved reference bounds it from above.
-    mark = ("≥ " if not group.solved else "") if reference is None or reference.solved else "≤ "
+    mark = "" if reference is None else bound_mark([(group, reference)])
     unknown = not group.solved and reference is not None and not reference.solved
     note = next((run.message for run in group.runs if run.message and not run.certified), "")
     return [
         Cell(group.first.problem), Cell(label), Cell(_status(group), css=_css(group)),
         number(value("objective"), ".6g"), number(value("gap"), ".2%"),
-        number(value("lp_bound"), ".5g"), number(group.seconds, ".2f"),
-        _range(group),
+        number(value("gap_60"), ".2%"), number(value("lp_bound"), ".5g"),
+        number(group.seconds, ".2f"), _range(group),
         Cell("") if unknown else number(ratio, ".2f", prefix=mark),
-        number(value("first_plan"), ".2f"), number(value("compile_seconds"), ".2f"),
+        *(number(value(k), ".2f")
+          for k in ("solver_seconds", "first_plan", "proof", "compile_seconds")),
         *(number(value(k), ".0f") for k in ("nodes", "columns", "binaries", "rows", "nonzeros")),
         number(None if memory is None else memory / 2**20, ".0f"), Cell(note[:60]),
     ]  # fmt: skip

@@ -15,6 +15,7 @@ import numpy as np
 from stlc import backends
 from stlc.backends.base import Progress, Solution, Status
 from stlc.bench.job import Job, Point, Update
+from stlc.bench.machine import cpu_seconds
 from stlc.bench.mission_run import no_point, relaxation, sizes, solve_options
 from stlc.bench.worker import Tell
 from stlc.errors import SolverError, StlcError, UsageError
@@ -43,10 +44,11 @@ def _run(job: Job, tell: Tell) -> None:
             tell(Update({"first_plan": firsts[0]}))
 
     firsts: list[float] = []
-    started = time.perf_counter()
+    started, cpu = time.perf_counter(), cpu_seconds()
     solution = backends.get(job.config.backend).solve(model, solve_options(job, report))
-    solver = {"solver_seconds": time.perf_counter() - started, "nodes": solution.nodes}
-    tell(Update({**solver, "solver": solution.solver_version, "bound": solution.bound}))
+    times = {"solver_seconds": time.perf_counter() - started, "cpu_seconds": cpu_seconds() - cpu}
+    answer = {"nodes": solution.nodes, "solver": solution.solver_version, "bound": solution.bound}
+    tell(Update({**times, **answer}))
     tell(Update(_certified(job, model, solution)))
     ended = time.perf_counter() - began
     if solution.status is Status.OPTIMAL:

@@ -10,8 +10,9 @@ from dataclasses import dataclass, field
 class Problem:
     """One mission file, `missions/<file>` of the registry's folder, with the `data` files it reads.
 
-    `generator` and `parameters` say how the file was written. `axis` and `size` place the problem
-    on a growth curve (such as "horizon", 16). `quick` problems are solved in seconds.
+    `generator` and `parameters` say how the file was written. `axes` place the problem on growth
+    curves (such as "patrol steps": 50). Problems of one `family` are reported together, with median
+    and worst. `quick` problems are solved in seconds.
     """
 
     name: str
@@ -19,8 +20,8 @@ class Problem:
     data: tuple[str, ...] = ()
     generator: str = ""
     parameters: Mapping[str, float] = field(default_factory=dict)
-    axis: str = ""
-    size: float = 0.0
+    axes: Mapping[str, float] = field(default_factory=dict)
+    family: str = ""
     quick: bool = False
 
 

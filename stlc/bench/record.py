@@ -19,7 +19,9 @@ class Record:
     `status`: optimal, infeasible (both proven), feasible (a plan at the limit), no_plan (none at
     the limit), out_of_time, out_of_memory, refused (a check failed), failed.
     `first_plan` and `proof` count from the first line of the mission read to a plan certified and
-    verified; `compile_*` are parts of it. `solver_seconds` is the solver (and strategy) alone.
+    verified; `compile_*` are parts of it. `solver_seconds` is the solver (and strategy) alone,
+    `cpu_seconds` the processor time of the same, all threads and child processes together.
+    `gap_60` is the relative gap after 60 s of the solver, or at its end if that came before.
     `trace` is (seconds of the solver, objective, bound, nodes) over time.
     """
 
@@ -32,8 +34,6 @@ class Record:
     disabled: str
     strategy: str
     repeat: int
-    axis: str
-    size: float
     time_limit: float
     gap_limit: float
     threads: int
@@ -55,11 +55,15 @@ class Record:
     encode_seconds: float | None = None
     compile_seconds: float | None = None
     solver_seconds: float | None = None
+    cpu_seconds: float | None = None
+    gap_60: float | None = None
     verify_seconds: float | None = None
     first_plan: float | None = None
     proof: float | None = None
     wall_seconds: float | None = None
     peak_memory: int | None = None
+    axes: str = "{}"  # JSON: sizes on growth curves
+    family: str = ""
     pass_seconds: str = ""  # JSON: seconds of each pass
     solver: str = ""
     versions: str = ""
@@ -87,7 +91,8 @@ def record_of(job: Job, known: Mapping[str, Any]) -> Record:
     return Record(
         key=job.key, suite=job.suite, problem=job.problem, label=config.label,
         encoding=config.encoding, backend=config.backend, disabled="+".join(config.disabled),
-        strategy=config.strategy, repeat=job.repeat, axis=job.axis, size=job.size,
+        strategy=config.strategy, repeat=job.repeat, axes=json.dumps(dict(job.axes)),
+        family=job.family,
         time_limit=limits.seconds, gap_limit=limits.gap, threads=limits.threads,
         memory_limit=limits.memory, code=job.code, digest=job.digest, **known,
     )  # fmt: skip

@@ -8,12 +8,14 @@ from datetime import UTC, datetime
 from queue import Empty, SimpleQueue
 from typing import Any
 
+from stlc.backends.base import relative_gap
 from stlc.bench.job import Done, Job, Point, Update
 from stlc.bench.record import Record, record_of
 from stlc.errors import SolverError
 from stlc.solve.child import Child
 
 _POLL = 0.1  # s
+_MARK = 60.0  # s of the solver at which the gap is read
 _POINTS = 200  # of the trace that are kept
 _START, _REST = 30.0, 3.0  # s to start and compile; limits that all other work may take
 
@@ -76,6 +78,7 @@ class _Known:
         """The finished run."""
         fields = {"status": "failed", "message": "it gave no answer"} | self.fields
         fields.pop("code", None)
+        fields["gap_60"] = _gap_at_mark(self.trace, fields)
         points = tuple((p.seconds, p.objective, p.bound, p.nodes) for p in _thinned(self.trace))
         when = datetime.now(UTC).isoformat(timespec="seconds")
         return record_of(
@@ -94,6 +97,15 @@ def _listen(queue: SimpleQueue[object | None], known: _Known, child: Child) -> N
         known.take(queue.get(timeout=_POLL), child.why)
     except Empty:
         return
+
+
+def _gap_at_mark(trace: list[Point], fields: dict[str, Any]) -> float | None:
+    """The gap after 60 s of the solver, or at the end of a run that ended before."""
+    ended: float | None = fields.get("solver_seconds")
+    if ended is not None and ended <= _MARK and fields.get("gap") is not None:
+        return float(fields["gap"])
+    gaps = [relative_gap(p.objective, p.bound) for p in trace if p.seconds <= _MARK]
+    return next((gap for gap in reversed(gaps) if gap is not None), None)
 
 
 def _thinned(points: list[Point]) -> list[Point]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from stlc.bench.job import Config, Job, Limits
@@ -19,7 +19,11 @@ STRATEGIES = ("auto", "milp")
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """What to compare. Empty `encodings`: those of each suite. `peer` is a folder of MPS files."""
+    """What to compare. Empty `encodings`: those of each suite. `peer` is a folder of MPS files.
+
+    `seconds` are time limits of some encodings alone: "literal", "literal:milp", or "peer" for the
+    models of all peers.
+    """
 
     encodings: tuple[str, ...] = ()
     backends: tuple[str, ...] = ("highs",)
@@ -29,6 +33,7 @@ class Choice:
     quick: bool = False
     only: tuple[str, ...] = ()
     peer: Path | None = None
+    seconds: Mapping[str, float] = field(default_factory=dict)
 
 
 def schedule(
@@ -37,7 +42,8 @@ def schedule(
     """Every run. Repeats are the outer loop, so that a slow hour of the machine touches all
     configurations; within a problem the order of configurations is turned round each repeat.
 
-    UsageError for unknown encodings, passes or backends, and when nothing is left to run.
+    UsageError for unknown encodings, passes or backends, when nothing is left to run, and for a
+    time limit of an encoding that no run has.
     """
     jobs = []
     for repeat in range(choice.repeat):
@@ -49,6 +55,7 @@ def schedule(
                 jobs += [replace(job, repeat=repeat) for job in found]
     if not jobs:
         raise UsageError("no problem of these suites is left; see `stlc bench --list`")
+    _check_limits(jobs, choice.seconds)
     return tuple(jobs)
 
 
@@ -64,20 +71,37 @@ def _problems(suite: Suite, choice: Choice) -> list[Problem]:
 def _jobs(
     folder: Path, suite: Suite, problem: Problem, choice: Choice, limits: Limits
 ) -> Iterator[Job]:
+    def job(config: Config, main: str, files: Mapping[str, bytes]) -> Job:
+        own = replace(limits, seconds=_seconds(config, choice.seconds, limits.seconds))
+        where = (dict(problem.axes), problem.family)
+        return Job(suite.name, problem.name, main, files, config, own, 0, fingerprint(), *where)
+
     files = read_files(folder, problem)
-    where = (problem.axis, problem.size)
     for config in configs(choice.encodings or suite.encodings, choice):
-        main = Path(problem.file).name
-        yield Job(
-            suite.name, problem.name, main, files, config, limits, 0, fingerprint(), *where
-        )  # fmt: skip
+        yield job(config, Path(problem.file).name, files)
     for name, path in _peers(problem, choice.peer):
         for backend in choice.backends:
-            config = Config(f"peer {name}", backend)
-            peer = {path.name: path.read_bytes()}
-            yield Job(
-                suite.name, problem.name, path.name, peer, config, limits, 0, fingerprint(), *where
-            )  # fmt: skip
+            yield job(Config(f"peer {name}", backend), path.name, {path.name: path.read_bytes()})
+
+
+def _seconds(config: Config, special: Mapping[str, float], default: float) -> float:
+    return next((special[name] for name in _names(config) if name in special), default)
+
+
+def _names(config: Config) -> tuple[str, ...]:
+    """What a time limit may call it, the narrowest first."""
+    if config.encoding.startswith("peer "):
+        return (config.encoding, "peer")
+    written = config.encoding.replace(",", "+")
+    return (f"{written}:{config.strategy}", written)
+
+
+def _check_limits(jobs: Iterable[Job], special: Mapping[str, float]) -> None:
+    known = {name: None for job in jobs for name in _names(job.config)}
+    for name in special:
+        if name not in known:
+            raise UsageError(f"--time-limit: no run has the encoding '{name}'; known: "
+                             f"{', '.join(known)}")  # fmt: skip
 
 
 def configs(encodings: Iterable[str], choice: Choice) -> tuple[Config, ...]:

@@ -6,7 +6,9 @@ from collections.abc import Sequence
 
 from stlc.bench.about import about, commands
 from stlc.bench.compare import Change
+from stlc.bench.families import Family, families_of, spread_text
 from stlc.bench.groups import Group, Table, disagreements, groups_of, tables_of
+from stlc.bench.growth import Growth, growths
 from stlc.bench.measures import Summary, summaries
 from stlc.bench.record import Record
 
@@ -28,6 +30,8 @@ def _suite(table: Table) -> str:
         cells = "".join(f"{_cell(row.get(label)):>24}" for label in table.labels)
         lines.append(f"{problem[:32]:32}{cells}".rstrip())
     lines += [_line(one) for one in summaries(table)]
+    lines += _families(families_of(table))
+    lines += _growth(table)
     lines += [f"DISAGREEMENT {text}" for text in disagreements(table)]
     return "\n".join(lines)
 
@@ -41,11 +45,51 @@ def _cell(group: Group | None) -> str:
 
 
 def _line(one: Summary) -> str:
-    ratio = "" if one.geometric is None else f", {one.geometric:.2f} times the reference"
+    head = f"  {one.label}: {one.solved} of {one.problems} solved, mean {one.mean:.2f} s"
+    if one.geometric is None:
+        return head
     return (
-        f"  {one.label}: {one.solved} of {one.problems} solved, mean {one.mean:.2f} s{ratio} "
-        f"(geometric mean{'' if one.worst is None else f'; greatest {one.worst:.2f}'})"
+        f"{head}, {one.mark}{one.geometric:.2f} times the reference "
+        f"(geometric mean; {one.least:.2f} to {one.greatest:.2f})"
     )
+
+
+def _families(families: Sequence[Family]) -> list[str]:
+    if not families:
+        return []
+    head = (
+        f"{'median / worst of each family':32}{'first plan [s]':>20}{'gap at 60 s':>20}"
+        f"{'proof [s]':>20}{'processor [s]':>20}{'proven':>10}"
+    )
+    return ["", head, *(_family(family) for family in families)]
+
+
+def _family(family: Family) -> str:
+    name = family.name if family.label == "auto" else f"{family.name} ({family.label})"
+    cells = [
+        spread_text(spread, family.limit) for spread in (family.first, family.proof, family.cpu)
+    ]
+    cells.insert(1, spread_text(family.gap, None))
+    return (
+        f"{name[:32]:32}"
+        + "".join(f"{c:>20}" for c in cells)
+        + (f"{f'{family.proofs} of {family.problems}':>10}")
+    )
+
+
+def _growth(table: Table) -> list[str]:
+    """Fitted exponents of each axis."""
+    found = []
+    for title, curves in growths(table):
+        fitted = [_exponent(curve) for curve in curves if curve.exponent is not None]
+        if fitted:
+            found.append(f"  {title}: {', '.join(fitted)}")
+    return ["", "growth, fitted exponents", *found] if found else []
+
+
+def _exponent(curve: Growth) -> str:
+    missing = f" ({curve.missing} without)" if curve.missing else ""
+    return f"{curve.label} {curve.exponent:.2f}{missing}"
 
 
 def changes_text(name: str, changes: Sequence[Change]) -> str:

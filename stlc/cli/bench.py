@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -38,6 +39,20 @@ def _words(ctx: click.Context, param: click.Parameter, value: str) -> tuple[str,
     return tuple(filter(None, (word.strip() for word in value.split(","))))
 
 
+def _seconds(ctx: click.Context, param: click.Parameter, value: str) -> dict[str, float]:
+    """Time limits by encoding; '' is for all others."""
+    found = {}
+    for word in _words(ctx, param, value):
+        name, _, number = word.rpartition("=")
+        try:
+            found[name.strip()] = float(number)
+        except ValueError:
+            raise click.BadParameter(f"'{word}' is neither seconds nor ENCODING=SECONDS") from None
+        if not 0 < found[name.strip()] < math.inf:
+            raise click.BadParameter(f"'{word}': seconds must be greater than 0 and finite")
+    return found
+
+
 @bench_command.command("run", options_metavar="[OPTIONS]")
 @click.argument("suites", nargs=-1, metavar="[SUITE]...")
 @click.option("--encodings", callback=_words, default="", metavar="A,B+C",
@@ -53,9 +68,11 @@ def _words(ctx: click.Context, param: click.Parameter, value: str) -> tuple[str,
     "--only", callback=_words, default="", metavar="A,B", help="Problems with these in their name."
 )
 @click.option("--quick", is_flag=True, help="Only problems that take seconds; time limit 10 s.")
-@click.option("--time-limit", type=click.FloatRange(min=0, min_open=True), metavar="S",
-              help="Of the solver, for each run.  [default: 60, quick: 10]")  # fmt: skip
-@click.option("--repeat", type=click.IntRange(min=1), default=1, show_default=True, metavar="N")
+@click.option("--time-limit", callback=_seconds, default="", metavar="S[,ENCODING=S]",
+              help="Of the solver, for each run; 'literal=783' and 'peer=120' are for those alone. "
+              " [default: 60, quick: 10]")  # fmt: skip
+@click.option("--repeat", type=click.IntRange(min=1), default=1, show_default=True, metavar="N",
+              help="Only what was solved the first time is repeated.")  # fmt: skip
 @click.option("--gap", type=click.FloatRange(min=0), default=1e-4, show_default=True)
 @click.option("--threads", type=click.IntRange(min=1), default=1, show_default=True)
 @click.option(
@@ -87,9 +104,7 @@ def run_command(suites: tuple[str, ...], **words: Any) -> int:
     jobs = schedule(folder, chosen, _choice(words), _limits(words))
     store = Store(words["store"])
     store.create()
-    finished = store.keys()
-    left = [job for job in jobs if job.key not in finished]
-    complete = _make(left, len(jobs), store, words)
+    complete = _make(jobs, store, words)
     click.echo(_closing(jobs, store))
     return 0 if complete else INTERRUPTED
 
@@ -100,27 +115,36 @@ def _choice(words: dict[str, Any]) -> Any:
     return Choice(
         words["encodings"], words["backends"], words["passes"], words["strategies"],
         words["repeat"], words["quick"], words["only"], words["peer"],
+        {name: seconds for name, seconds in words["time_limit"].items() if name},
     )  # fmt: skip
 
 
 def _limits(words: dict[str, Any]) -> Any:
     from stlc.bench.job import Limits
 
-    seconds = words["time_limit"] or (_QUICK_SECONDS if words["quick"] else 60.0)
+    seconds = words["time_limit"].get("", _QUICK_SECONDS if words["quick"] else 60.0)
     memory = None if words["memory"] is None else int(words["memory"] * 2**30)
     return Limits(seconds, words["gap"], words["threads"], memory)
 
 
-def _make(left: list[Job], total: int, store: Any, words: dict[str, Any]) -> bool:
-    """Make the runs that are left; False when interrupted."""
+def _make(jobs: tuple[Job, ...], store: Any, words: dict[str, Any]) -> bool:
+    """Make the runs that are left, one repeat after the other; False when interrupted."""
     from dataclasses import replace
 
-    command = _command()
+    from stlc.bench.rounds import pending, rounds
+
+    command, done = _command(), 0
     with interruptible() as stop:
-        for count, record in enumerate(_executor(left, words, stop), total - len(left) + 1):
-            store.add(replace(record, command=command))
-            click.echo(f"[{count}/{total}] {_line(record)}", err=True)
-        return not stop()
+        for members in rounds(jobs):
+            left = pending(members, store.records())
+            done += len(members) - len(left)
+            for record in _executor(left, words, stop):
+                done += 1
+                store.add(replace(record, command=command))
+                click.echo(f"[{done}/{len(jobs)}] {_line(record)}", err=True)
+            if stop():
+                return False
+        return True
 
 
 def _executor(left: list[Job], words: dict[str, Any], stop: Any) -> Iterable[Record]:
@@ -151,11 +175,15 @@ def _line(record: Record) -> str:
 
 
 def _closing(jobs: tuple[Job, ...], store: Any) -> str:
+    from stlc.bench.rounds import pending
+
     keys = {job.key for job in jobs}
     ours = [r for r in store.records() if r.key in keys]
     solved = sum(r.solved for r in ours)
+    rest = len(pending(jobs, ours))
+    left = f", {rest} are left" if rest else ""
     return (
-        f"{len(ours)} of {len(jobs)} runs are in {store.path}, {solved} solved to proof; "
+        f"{len(ours)} runs are in {store.path}, {solved} solved to proof{left}; "
         f"see them with: stlc bench report --store {store.path}"
     )
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
+
 import pytest
 
-from stlc.bench.groups import BEST_PEER, disagreements, groups_of, tables_of
+from stlc.bench.families import families_of, spread_text
+from stlc.bench.groups import BEST_PEER, disagreements, groups_of, seconds_of, tables_of
+from stlc.bench.growth import growth, growths
 from stlc.bench.measures import (
     cactus,
-    growth,
     performance_profile,
     shifted_geometric_mean,
     summaries,
@@ -41,7 +45,7 @@ def test_ratios_medians_and_limits() -> None:
     assert table.rows["p"]["auto"].seconds == 2.0  # the median
     assert table.rows["p"]["literal"].seconds == 10.0  # the limit
     assert literal.geometric == pytest.approx((5.0 * 4.0) ** 0.5)
-    assert literal.worst == pytest.approx(5.0)
+    assert literal.greatest == pytest.approx(5.0)
 
 
 def test_two_time_limits_say_nothing() -> None:
@@ -81,3 +85,44 @@ def test_only_the_latest_version_counts() -> None:
     old = record("p", "auto", 1.0, code="old", finished="2025-01-01T00:00:00+00:00")
     groups = groups_of([record("p", "auto", 5.0), old])
     assert [g.seconds for g in groups] == [5.0]
+
+
+def test_processor_time_is_compared_where_there_is_one_thread() -> None:
+    run = record("p", "auto", 4.0, cpu_seconds=3.0)
+    assert seconds_of(run) == 3.0
+    assert seconds_of(replace(run, threads=2)) == 4.0
+    stopped = record("p", "auto", None, cpu_seconds=8.0)  # of 10 s, on a busy machine
+    assert seconds_of(stopped) == 8.0
+    assert seconds_of(replace(stopped, status="failed")) == 10.0
+
+
+def test_ratios_say_which_way_they_are_bounds() -> None:
+    runs = [record("p", "auto", 1.0), record("p", "log", None), record("p", "hull", 2.0)]
+    assert [s.mark for s in summaries(tables_of(groups_of(runs))[0])] == ["", "≥ ", ""]
+    runs += [record("q", "auto", None), record("q", "log", 1.0), record("q", "hull", 2.0)]
+    assert [s.mark for s in summaries(tables_of(groups_of(runs))[0])] == ["", "~ ", "≤ "]
+
+
+def test_median_and_worst_of_a_family() -> None:
+    values = ((1.0, 2.0), (3.0, 4.0), (None, None))
+    runs = [
+        record(f"p{k}", "auto", proof, family="ten", first_plan=first, gap_60=0.1 * k)
+        for k, (first, proof) in enumerate(values)
+    ]
+    (family,) = families_of(tables_of(groups_of(runs))[0])
+    assert (family.problems, family.plans, family.proofs) == (3, 2, 2)
+    assert spread_text(family.first, 10.0) == "3.0 / > 10"
+    assert spread_text(family.cpu, 10.0) == "4.0 / > 10"
+    assert spread_text(family.gap, None) == "10.0% / 20.0%"
+
+
+def test_growth_leaves_out_what_reached_its_limit() -> None:
+    runs = [
+        record(f"p{x}", "auto", None if x == 8 else 0.1 * x, axes=json.dumps({"walk steps": x}))
+        for x in (1, 2, 4, 8)
+    ]
+    curves = dict(growths(tables_of(groups_of(runs))[0]))
+    (times,) = curves["walk over steps: time of the solver to the proof [s]"]
+    assert (times.exponent, times.missing) == (pytest.approx(1.0), 1)
+    (rows,) = curves["walk over steps: rows"]
+    assert rows.missing == 1  # unsolved runs of these records have none

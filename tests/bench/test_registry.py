@@ -19,7 +19,7 @@ PROBLEMS = [(s, p) for s in load_suites(FOLDER).values() for p in s.problems]
 
 def test_suites_and_no_name_twice() -> None:
     assert default_folder() == FOLDER
-    suites = ["paper", "stlpy", "radio", "teams", "scaling", "ablation"]
+    suites = ["paper", "headline", "stlpy", "radio", "teams", "scaling", "ablation"]
     assert list(load_suites(FOLDER)) == suites
     names = [(suite.name, problem.name) for suite, problem in PROBLEMS]
     assert len(set(names)) == len(names)
@@ -38,9 +38,13 @@ def test_every_mission_passes_its_check(problem: object) -> None:
 
 def test_missions_are_what_the_generators_give() -> None:
     script = (
-        "from generate import MISSIONS, generated\nfrom registry import SUITES\n"
+        "import numpy as np\nfrom generate import MISSIONS, generated, tables\n"
+        "from registry import SUITES\n"
         "for suite in SUITES:\n for p in suite.problems:\n"
         "  assert not p.generator or (MISSIONS / p.file).read_text() == generated(p), p.name\n"
+        "  for name, values in tables(p).items():\n"
+        "   (found,) = np.load(MISSIONS / name).values()\n"
+        "   assert np.abs(found - values).max() < 2e-4, name\n"
     )
     env = os.environ | {"PYTHONPATH": os.pathsep.join([str(FOLDER), *sys.path])}
     done = subprocess.run([sys.executable, "-c", script], env=env, capture_output=True, text=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from html.parser import HTMLParser
 from pathlib import Path
@@ -22,7 +23,7 @@ _TRACE = ((0.1, 2.0, 0.5, 0), (0.2, 1.0, 1.0, 3))
 def _runs() -> list[object]:
     runs: list[object] = []
     for size in (1.0, 2.0, 4.0):
-        place = {"axis": "walk steps", "size": size, "trace": _TRACE}
+        place = {"axes": json.dumps({"walk steps": size}), "trace": _TRACE}
         runs += [record(f"p{size:g}", "auto", 0.1 * size, rows=int(10 * size), **place)]
         runs += [record(f"p{size:g}", "<b>odd", size, **place)]
     return runs
@@ -66,6 +67,14 @@ def test_the_summary_names_ratios_and_disagreements() -> None:
     assert "limits: 10 s, gap 0.0001, 1 thread" in text
     assert "8.00 times the reference" in text
     assert "DISAGREEMENT p: auto proves 1, literal proves 2" in text
+
+
+def test_time_limits_are_read(tmp_path: Path) -> None:
+    folder = str(registry(tmp_path))
+    for wrong in ("soon", "log=", "log=0", "inf"):
+        said = CliRunner().invoke(bench_command, ["--registry", folder, "--time-limit", wrong])
+        assert said.exit_code == 2
+        assert wrong in said.output
 
 
 def _call(*words: str) -> Result:

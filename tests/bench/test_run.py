@@ -37,6 +37,8 @@ def test_every_figure_of_a_solved_run() -> None:
     assert run.proof is not None
     assert run.compile_seconds is not None
     assert run.compile_seconds <= run.first_plan <= run.proof <= (run.wall_seconds or 0.0)
+    assert 0.0 < (run.cpu_seconds or 0.0) < 10.0
+    assert run.gap_60 == run.gap is not None
     assert run.peak_memory is not None
     assert run.peak_memory > 2**20
     assert "HiGHS" in run.solver

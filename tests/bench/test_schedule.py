@@ -9,10 +9,11 @@ import pytest
 
 from stlc.bench.job import Config, Limits
 from stlc.bench.registry import chosen_suites, load_suites
+from stlc.bench.rounds import pending, rounds
 from stlc.bench.schedule import Choice, ablations, configs, schedule
 from stlc.errors import UsageError
 
-from .tiny import job, registry
+from .tiny import job, record, registry
 
 
 def _order(folder: Path, choice: Choice) -> list[tuple[str, str, int]]:
@@ -63,6 +64,30 @@ def test_configurations_are_checked_before_anything_runs() -> None:
         configs(("auto:luck",), Choice())
     with pytest.raises(UsageError, match="nonsense"):
         configs(("nonsense",), Choice())
+
+
+def test_time_limits_of_some_encodings(tmp_path: Path) -> None:
+    folder, peers = registry(tmp_path), tmp_path / "peers"
+    peers.mkdir()
+    (peers / "one__bigM.mps.xz").write_bytes(b"")
+    special = {"log:milp": 7.0, "log": 5.0, "peer": 3.0}
+    choice = Choice(("auto", "log", "log:milp"), only=("one",), peer=peers, seconds=special)
+    jobs = schedule(folder, load_suites(folder).values(), choice, Limits(9.0))
+    assert {j.config.label: j.limits.seconds for j in jobs} == {
+        "auto": 9.0, "log": 5.0, "log, milp": 7.0, "peer bigM": 3.0,
+    }  # fmt: skip
+    with pytest.raises(UsageError, match="no run has the encoding 'hull'"):
+        schedule(folder, load_suites(folder).values(), Choice(seconds={"hull": 1.0}), Limits())
+
+
+def test_only_what_was_solved_is_repeated() -> None:
+    first, again = job(), replace(job(), repeat=1)
+    assert [[j.repeat for j in r] for r in rounds([first, again, first])] == [[0, 0], [1]]
+    solved = replace(record("one", "auto", 1.0), key=first.key)
+    stopped = replace(record("one", "auto", None), key=first.key)
+    assert pending([first, again], []) == [first, again]
+    assert pending([first, again], [solved]) == [again]
+    assert pending([first, again], [stopped]) == []
 
 
 def test_the_key_is_of_all_that_matters() -> None:

@@ -24,9 +24,9 @@ REGISTRY = """from stlc.bench.problem import Problem, Suite
 
 SUITES = (
     Suite("tiny", "tiny ones", (
-        Problem("one", "one.stl", axis="walk place", size=1, quick=True),
-        Problem("two", "two.stl", axis="walk place", size=2, quick=True),
-        Problem("three", "three.stl", axis="walk place", size=3),
+        Problem("one", "one.stl", axes={"walk place": 1}, quick=True),
+        Problem("two", "two.stl", axes={"walk place": 2}, quick=True),
+        Problem("three", "three.stl", axes={"walk place": 3}),
     ), ("auto", "log")),
 )
 """
