@@ -72,7 +72,8 @@ def _scip(files: Files, options: SolveOptions, more: Sequence[str]) -> list[str]
     )
     pairs = zip(settings[::2], settings[1::2], strict=True)
     commands = [
-        f"read {files.model}", *(f"{key} {value}" for key, value in pairs), *more,
+        f"read {files.model}", "set presolving donotmultaggr TRUE",  # see scip.py
+        *(f"{key} {value}" for key, value in pairs), *more,
         "optimize", f"write solution {files.solution}", "quit",
     ]  # fmt: skip
     return [part for command in commands for part in ("-c", command)]

@@ -13,7 +13,9 @@ from __future__ import annotations
 import argparse
 import sys
 from collections import Counter
+from os import times
 from pathlib import Path
+from time import process_time
 
 import numpy as np
 
@@ -177,7 +179,10 @@ def main() -> int:
                 print(f"seed {seed}: {found}", flush=True)
             seed += 1
     solved = tally.total() - tally["intervals"]
-    print(f"{solved} missions by {len(names)} backends: {dict(tally)}")
+    print(
+        f"{solved} missions (seeds {words.seed} to {seed - 1}) by {len(names)} backends: "
+        f"{dict(tally)}; {process_time() + sum(times()[2:4]):.0f} CPU s"
+    )
     return int(tally["differ"] > 0)
 
 

@@ -14,7 +14,7 @@ SCRIPT = Path(__file__).resolve().parents[2] / "benchmarks" / "agreement.py"
 
 
 FULL = os.environ.get("HYPOTHESIS_PROFILE") == "full"
-SEEDS = [*range(24 if FULL else 6), 37]  # on 37 SCIP's presolve finds no plan
+SEEDS = [*range(24 if FULL else 6), 15, 37, 98]  # SCIP's presolve erred on the last three
 
 
 @pytest.fixture(scope="module")
