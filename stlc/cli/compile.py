@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stlc.cli.common import load, mission_options
+from stlc.cli.common import load, mission_options, show_diagnostics
 
 if TYPE_CHECKING:
     from stlc.milp.model import Model
@@ -51,6 +51,8 @@ def compile_command(
 
     mission = load(file, define, allow_path)
     compiled = compile_mission(mission, compile_options(encoding, disable, print_after, _show))
+    if compiled.warnings:
+        show_diagnostics(compiled.warnings)
     if output is not None:
         from stlc.milp.writers import write_model
 

@@ -19,8 +19,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from stlc.errors import UsageError
+from stlc.errors import MissionError
 from stlc.ir.nodes import Linear, Node, Role, Signal
+from stlc.milp.big_m import LARGEST, TooLargeM
 from stlc.milp.bounds import value_range
 from stlc.milp.builder import ModelBuilder
 from stlc.milp.context import Context
@@ -29,7 +30,6 @@ from stlc.milp.model import Floats, Ints
 
 Terms = tuple[tuple[Signal, float], ...]
 
-_LARGEST_M = 1e6
 _TINY = 1e-7  # coefficients below a solver's tolerance only harm
 
 
@@ -150,12 +150,19 @@ class Faces:
             self.rows.add([*cols, *binding], values, least)
 
     def check_size(self, big: float, terms: Terms) -> None:
-        """UsageError where a predicate's range is too wide for a solver's arithmetic."""
-        if big >= _LARGEST_M or not np.isfinite(big):
-            names = ", ".join(f"{s.owner}.{s.role.value}[{s.index}]" for s, _ in terms)
-            raise UsageError(
-                f"a predicate over {names} ranges over {big:.3g}: declare bounds for these signals"
-            )
+        """MissionError where a predicate's range is too wide for a solver's arithmetic."""
+        if big < LARGEST:
+            return
+        origin = self.ctx.builder.origin
+        name = origin.label.removeprefix("require ")
+        signals = ", ".join(self._written(signal) for signal, _ in terms)
+        raise MissionError([TooLargeM(span=origin.span, name=name, signals=signals, size=big)])
+
+    def _written(self, signal: Signal) -> str:
+        """A signal as missions write it."""
+        model = self.ctx.agent(signal.owner).dynamics
+        names = model.states if signal.role is Role.STATE else model.inputs
+        return f"{signal.owner}.{names[signal.index]}"
 
     def column(self, signal: Signal) -> int:
         """Column of a signal."""

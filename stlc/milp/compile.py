@@ -9,8 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from stlc.channels import ChannelTables
+from stlc.diagnostics import Diagnostic
 from stlc.errors import UsageError
 from stlc.ir.nodes import Node
+from stlc.milp.big_m import leaky_big_ms
 from stlc.milp.builder import ModelBuilder
 from stlc.milp.context import Context, Ranges
 from stlc.milp.costs import add_objective
@@ -62,7 +64,7 @@ class Compiled:
     """The model, and what is needed to read a point of it.
 
     `robustness[name]` is the column of a robustness objective and its static bounds; name None is
-    the whole mission's.
+    the whole mission's. `warnings` are of numbers that solvers may trip over.
     """
 
     model: Model
@@ -75,6 +77,7 @@ class Compiled:
     channels: ChannelTables
     encoded: tuple[Encoded, ...] = ()
     pairs: tuple[PairColumns, ...] = ()
+    warnings: tuple[Diagnostic, ...] = ()
 
     def decode(self, x: Floats) -> Trajectories:
         """Trajectories of a point x (n,)."""
@@ -88,7 +91,7 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     """Compile.
 
     Raises InfeasibleError where the analysis proves that no run exists, UsageError for an unknown
-    option or signals without bounds.
+    option, MissionError (located) for signals of too wide a range.
     """
     options = options or CompileOptions()
     began = time.perf_counter()
@@ -108,9 +111,10 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     model = ctx.builder.build()
     stats = CompileStats(sizes(model), passes, time.perf_counter() - began, notes)
     robustness = {g.requirement: (rho[g], g.low, g.high) for g in goals}
+    named = {f"require {r.name}": r for r in program.requirements}
     return Compiled(
         model, mission, ctx.states, ctx.inputs, ctx.ranges, robustness, stats, tables.channels,
-        encoded, made_pairs(ctx),
+        encoded, made_pairs(ctx), leaky_big_ms(model, named),
     )  # fmt: skip
 
 

@@ -55,7 +55,7 @@ def collector_paused() -> Iterator[None]:
 
 
 def load_all_diagnostics() -> None:
-    """Import every module that defines diagnostics of meaning or syntax, for the catalogue."""
+    """Import every module that defines diagnostics, for the catalogue."""
     from importlib import import_module
 
     for name in (
@@ -68,5 +68,6 @@ def load_all_diagnostics() -> None:
         "stlc.sema.objective_errors",
         "stlc.sema.warnings",
         "stlc.dialects.errors",
+        "stlc.milp.big_m",
     ):
         import_module(name)

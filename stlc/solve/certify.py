@@ -16,7 +16,7 @@ from stlc.backends import get
 from stlc.backends.base import Backend, Floats, Solution, SolveOptions, Status, relative_gap
 from stlc.errors import SolverError
 from stlc.milp.model import Model
-from stlc.solve.violations import Violations, big_m_warnings, exact_objective, violations
+from stlc.solve.violations import Violations, exact_objective, violations
 
 TOLERANCE = 1e-6  # absolute, for rows and bounds: what solvers promise by default
 _FRACTION = 1e-4  # beyond every solver's own integrality tolerance (1e-6 to 1e-5)
@@ -112,7 +112,6 @@ def certify(
             raise _refusal(solution, f"after rounding, {after.describe()}")
     objective = exact_objective(model, rounded)
     status, warnings = _standing(solution, objective, options)
-    warnings += big_m_warnings(model)
     return Certified(
         status, solution, rounded, objective, solution.bound, tolerance,
         before, after, polished, warnings,

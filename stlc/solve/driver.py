@@ -125,6 +125,8 @@ def solve_mission(
     began = time.perf_counter()
     listen(StatusEvent("compile", mission.source.name))
     compiled = compile_mission(mission, settings.compile)
+    for warning in compiled.warnings:
+        listen(DiagnosticEvent("warning", f"{warning}; {warning.label_text}"))
     now = time.perf_counter()
     label = encoding_label(settings.compile)
     job = _Job(mission, settings, compiled, backend, listen, should_stop, now, label)

@@ -10,10 +10,6 @@ from numpy.typing import NDArray
 
 from stlc.milp.model import Floats, Model
 
-_SOLVER_TOLERANCE = 1e-6
-_MARGIN = 1e-3  # what a big-M may leak before a person should hear of it, in a row's units
-_HOPELESS = 1e6
-
 
 @dataclass(frozen=True, slots=True)
 class Violations:
@@ -62,32 +58,6 @@ def exact_objective(model: Model, x: Floats) -> float:
     """c'x + offset, summed in extended precision, rounded once."""
     products = model.c.astype(np.longdouble) * x.astype(np.longdouble)
     return float(products.sum() + np.longdouble(model.offset))
-
-
-def big_m_warnings(model: Model, margin: float = _MARGIN) -> tuple[str, ...]:
-    """Warn where a solver's integrality tolerance times a big-M may exceed `margin`.
-
-    A big-M is a coefficient of an integer column in a row that has continuous columns too.
-    """
-    from scipy.sparse import csr_matrix
-
-    A, integer = model.A, model.integrality == 1
-    inside = integer[A.indices]
-    row = np.repeat(np.arange(model.rows), np.diff(A.indptr))
-    mixed = np.zeros(model.rows, dtype=bool)
-    mixed[row[~inside]] = True
-    large = np.abs(A.data) * inside * mixed[row]
-    if not len(large) or large.max() * _SOLVER_TOLERANCE <= margin:
-        return ()
-    worst = csr_matrix((large, A.indices, A.indptr), shape=A.shape).max(axis=1).toarray().ravel()
-    at = int(worst.argmax())
-    block, count = model.row_block(at), int((worst * _SOLVER_TOLERANCE > margin).sum())
-    where = f"{block.origin.span}: " if block.origin.span else ""
-    advice = "give the states finite bounds" if worst[at] < _HOPELESS else "no solver is safe here"
-    return (
-        f"{where}{count} rows have a big-M up to {worst[at]:.3g} ({block.name}, from "
-        f"'{block.origin.label}'): a solver may leak {worst[at] * _SOLVER_TOLERANCE:.2g}; {advice}",
-    )
 
 
 _Wide = NDArray[Any]

@@ -14,7 +14,7 @@ from stlc.errors import SolverError
 from stlc.milp.builder import ModelBuilder
 from stlc.milp.model import Model, Origin
 from stlc.solve.certify import certify, confirm_infeasible, confirm_optimal, second_opinion
-from stlc.solve.violations import big_m_warnings, exact_objective, violations
+from stlc.solve.violations import exact_objective, violations
 from stlc.source import Source
 
 INF = float("inf")
@@ -194,16 +194,3 @@ def test_violations_agree_with_fractions(seed: int) -> None:
     assert found.rows == pytest.approx(float(worst), rel=1e-12, abs=1e-14)
     value = sum(Fraction(c) * v for c, v in zip(model.c.tolist(), exact, strict=True))
     assert exact_objective(model, x) == pytest.approx(float(value), rel=1e-14, abs=1e-14)
-
-
-def test_a_big_m_that_could_leak_is_warned_about() -> None:
-    assert big_m_warnings(MODEL) == ()
-    (warning,) = big_m_warnings(MODEL, margin=1e-5)
-    assert warning.startswith("m.stl:1:1: 2 rows have a big-M up to 20 (left, from 'require away')")
-    b = ModelBuilder()
-    n, x = b.binary("n", (2,)), b.add_columns("x", (1,))
-    b.add_dense_rows("big", np.array([[n[0], x[0]]]), [1e6, 1], 0, INF)
-    b.add_dense_rows("count", n[None, :], [1e9, 1], 0, INF)  # no continuous column: no big-M
-    (warning,) = big_m_warnings(b.build())
-    assert "1 rows have a big-M up to 1e+06" in warning
-    assert "no solver is safe" in warning

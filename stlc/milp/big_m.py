@@ -1,0 +1,101 @@
+"""Big-Ms that solvers' arithmetic cannot carry: an error, or a warning.
+
+A literal within a solver's integrality tolerance of 0 lets a row with big-M leak tolerance x M.
+From M = 1e6 on HiGHS and CBC were seen to return wrong optima and false infeasibilities. Below,
+certification rounds the literals, so no plan leaks; but a solver may believe one that does, and
+its word on optimality is worth less.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+import numpy as np
+
+from stlc.diagnostics import Diagnostic, Warn
+from stlc.milp.model import Floats, Model
+from stlc.mission import Requirement
+
+LARGEST = 1e6
+_TOLERANCE = 1e-6  # on integrality, of most solvers
+_LEAST_MARGIN = 1e-3  # in a row's units: nobody minds less where no margin is asked for
+
+
+class TooLargeM(Diagnostic):
+    """A requirement compares a signal whose range is too wide for a solver's arithmetic.
+
+    A disjunction (`or`, `outside`, `eventually`) switches its parts on and off by coefficients as
+    large as the ranges of the signals in them. From 1e6 on, solvers were seen to return wrong
+    optima, so no such model is made. Ranges follow from the workspace and from limits on speed,
+    states and inputs.
+    """
+
+    code: ClassVar[str] = "E0801"
+    title: ClassVar[str] = "`{signals}` in requirement `{name}` can differ by {size:.3g}"
+    label: ClassVar[str] = "too wide for a solver's arithmetic, which ends at 1e+06"
+    help: ClassVar[str] = "declare a smaller workspace or bounds, or choose a larger unit of length"
+    name: str
+    signals: str
+    size: float
+
+
+class LeakyM(Warn):
+    """A solver's integrality tolerance times a coefficient of the model exceeds the margin.
+
+    The plan is safe: its integers are rounded and it is verified before anybody sees it. But the
+    solver may take a slightly wrong point for the optimum, or call a mission infeasible that just
+    holds.
+    """
+
+    code: ClassVar[str] = "W1101"
+    title: ClassVar[str] = "`{name}` makes a big-M of {size:.3g} in {rows} rows"
+    label: ClassVar[str] = (
+        "a solver's tolerance of 1e-06 is worth {leak:.2g} here, more than {margin:g}"
+    )
+    help: ClassVar[str] = "declare tighter bounds, or ask for a larger margin"
+    name: str
+    size: float
+    rows: int
+    leak: float
+    margin: float
+
+
+def leaky_big_ms(model: Model, requirements: Mapping[str, Requirement]) -> tuple[LeakyM, ...]:
+    """A warning for each origin whose big-M times 1e-6 exceeds its requirement's margin.
+
+    A big-M is a coefficient of an integer column in a row that has continuous columns too;
+    `requirements` are by the label of their origin. Where no margin is asked for it is 1e-3.
+    """
+    largest = _largest_in_rows(model)
+    found: dict[str, LeakyM] = {}
+    for block in model.row_blocks:
+        own = largest[block.start : block.start + block.size]
+        label = block.origin.label
+        asked = requirements[label].margin if label in requirements else 0.0
+        margin = asked if asked > 0 else _LEAST_MARGIN
+        size = float(own.max(initial=0.0))
+        if size * _TOLERANCE <= margin:
+            continue
+        rows = int((own * _TOLERANCE > margin).sum())
+        known = found.get(label)
+        if known is not None:
+            rows, size = rows + known.rows, max(size, known.size)
+        found[label] = LeakyM(
+            span=block.origin.span, name=label, size=size, rows=rows, leak=size * _TOLERANCE,
+            margin=margin,
+        )  # fmt: skip
+    return tuple(found.values())
+
+
+def _largest_in_rows(model: Model) -> Floats:
+    """The largest big-M of each row (m,), 0 where there is none."""
+    A, integer = model.A, model.integrality == 1
+    row = np.repeat(np.arange(model.rows), np.diff(A.indptr))
+    inside = integer[A.indices]
+    mixed = np.zeros(model.rows, dtype=bool)
+    mixed[row[~inside]] = True
+    found = np.zeros(model.rows)
+    switches = inside & mixed[row]
+    np.maximum.at(found, row[switches], np.abs(A.data[switches]))
+    return found
