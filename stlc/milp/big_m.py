@@ -31,7 +31,7 @@ class TooLargeM(Diagnostic):
     states and inputs.
     """
 
-    code: ClassVar[str] = "E0801"
+    code: ClassVar[str] = "E0802"
     title: ClassVar[str] = "`{signals}` in requirement `{name}` can differ by {size:.3g}"
     label: ClassVar[str] = "too wide for a solver's arithmetic, which ends at 1e+06"
     help: ClassVar[str] = "declare a smaller workspace or bounds, or choose a larger unit of length"

@@ -29,7 +29,7 @@ def _mission(size: float, margin: str = "") -> Mission:
     return Mission.from_text(MISSION.format(size=size, margin=margin), name="wide.stl")
 
 
-ERROR = """error[E0801]: `a.px` in requirement `visit` can differ by 2e+06
+ERROR = """error[E0802]: `a.px` in requirement `visit` can differ by 2e+06
  --> wide.stl:6:1
   |
 6 | require visit: eventually[1, 4] a in far
