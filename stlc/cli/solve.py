@@ -19,7 +19,7 @@ from stlc.cli.common import (
 )
 from stlc.cli.interrupt import interruptible
 from stlc.cli.progress import listener
-from stlc.errors import InfeasibleError
+from stlc.errors import InfeasibleError, SolverError
 
 if TYPE_CHECKING:
     from stlc.mission import Mission
@@ -69,6 +69,9 @@ def solve_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, .
     click.echo(json.dumps(outcome.as_dict(), indent=2) if words["as_json"] else _summary(outcome))
     if words["csv_path"]:
         outcome.plan.write_csv(words["csv_path"])
+    if outcome.refused is not None:
+        complain(outcome.refused)
+        return SolverError.exit_status
     return 0
 
 

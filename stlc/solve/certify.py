@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 
 from stlc.backends import get
-from stlc.backends.base import Backend, Floats, Solution, SolveOptions, Status, relative_gap
+from stlc.backends.base import Floats, Solution, SolveOptions, Status, relative_gap
 from stlc.errors import SolverError
 from stlc.milp.model import Model
 from stlc.solve.violations import Violations, exact_objective, violations
@@ -70,19 +70,6 @@ class Certified:
         }
 
 
-@dataclass(frozen=True, slots=True)
-class Confirmation:
-    """What a second solver said about a claim of the first."""
-
-    confirmed: bool
-    by: str  # solver and version
-    seconds: float
-    message: str
-
-    def __str__(self) -> str:
-        return self.message
-
-
 def certify(
     model: Model,
     solution: Solution,
@@ -109,7 +96,7 @@ def certify(
         rounded, polished = _polished(model, solution, rounded), True
         after = violations(model, rounded)
         if not after.within(tolerance):
-            raise _refusal(solution, f"after rounding, {after.describe()}")
+            raise refusal(solution, f"after rounding, {after.describe()}")
     objective = exact_objective(model, rounded)
     status, warnings = _standing(solution, objective, options)
     return Certified(
@@ -118,76 +105,8 @@ def certify(
     )  # fmt: skip
 
 
-def confirm_infeasible(
-    model: Model,
-    first: Solution | str,
-    second: Backend | None = None,
-    options: SolveOptions | None = None,
-) -> Confirmation:
-    """Let a second solver judge an infeasible claim of `first`; the objective is left out.
-
-    `second` is by default another installed solver (`second_opinion`). `confirmed` is False where
-    there is none or it reached its limits. SolverError names the first solver when the second
-    finds a point and that point is certified.
-    """
-    claim = Solution(Status.INFEASIBLE, solver=first) if isinstance(first, str) else first
-    who = claim.solver_version or claim.solver
-    second = second or second_opinion(claim.solver)
-    if second is None:
-        return Confirmation(False, "", 0.0, f"{who} says so; no second solver is installed")
-    feasibility = replace(model, c=np.zeros(model.columns), offset=0.0)
-    asked = replace(options or SolveOptions(), start=None, on_progress=None)
-    answer = second.solve(feasibility, asked)
-    by = answer.solver_version or second.name
-    if answer.status is Status.INFEASIBLE:
-        return Confirmation(True, by, answer.seconds, f"proven by {who}, confirmed by {by}")
-    if certify(feasibility, answer, options=asked).x is not None:
-        raise _refusal(claim, f"it claims infeasible, but {by} found a point that is certified")
-    return Confirmation(False, by, answer.seconds, f"{who} says so; {by} could not decide")
-
-
-def confirm_optimal(
-    model: Model, first: Certified, second: Backend, options: SolveOptions | None = None
-) -> Confirmation:
-    """Let a second solver judge an optimum. SolverError when it certifies a better point."""
-    asked = replace(options or SolveOptions(), start=None, on_progress=None)
-    other = certify(model, second.solve(model, asked), options=asked)
-    by = other.claim.solver_version or second.name
-    if first.objective is None:
-        raise _refusal(first.claim, "it has no point to confirm")
-    if other.status is Status.INFEASIBLE:
-        raise _refusal(other.claim, "it claims infeasible, but a certified point exists")
-    slack = (asked.gap + TOLERANCE) * max(1.0, abs(first.objective))
-    if other.objective is not None and other.objective < first.objective - slack:
-        raise _refusal(
-            first.claim,
-            f"it claims {first.objective:.9g} is optimal, but {by} found {other.objective:.9g}",
-        )
-    proven = other.status is Status.OPTIMAL
-    said = "agrees" if proven else f"could not decide: {other.claim.message}"
-    return Confirmation(proven, by, other.claim.seconds, f"{by} {said}")
-
-
-_FAMILIES = (
-    ("scip", "external-scip", "external-fscip"),
-    ("mip", "pulp", "external-cbc"),
-    ("highs", "cvxpy", "scipy", "external-highs"),
-    ("external-glpsol",),
-)
-
-
-def second_opinion(first: str) -> Backend | None:
-    """An installed backend that is built on another solver than the one named, if any."""
-    for family in _FAMILIES:
-        if first in family:
-            continue
-        for backend in map(get, family):
-            if backend.available() is None:
-                return backend
-    return None
-
-
-def _refusal(solution: Solution, problem: str) -> SolverError:
+def refusal(solution: Solution, problem: str) -> SolverError:
+    """The error that names a solver and what is wrong with its answer."""
     version = solution.solver_version
     who = f"{solution.solver} ({version})" if version else solution.solver
     return SolverError(f"the answer of {who} is refused: {problem}")
@@ -199,42 +118,42 @@ def _check_claim(solution: Solution) -> None:
         raise SolverError(f"{who} failed: {solution.message or 'it gives no reason'}")
     for name, value in (("objective", solution.objective), ("bound", solution.bound)):
         if value is not None and not np.isfinite(value):
-            raise _refusal(solution, f"its {name} is {value}")
+            raise refusal(solution, f"its {name} is {value}")
 
 
 def _checked_point(model: Model, solution: Solution) -> Floats:
     if solution.x is None:
-        raise _refusal(solution, f"it claims {solution.status.value} but returned no point")
+        raise refusal(solution, f"it claims {solution.status.value} but returned no point")
     x = np.asarray(solution.x, dtype=float)
     if x.shape != (model.columns,):
-        raise _refusal(solution, f"it returned {x.size} values for {model.columns} columns")
+        raise refusal(solution, f"it returned {x.size} values for {model.columns} columns")
     if not np.isfinite(x).all():
         column = model.col_name(int(np.flatnonzero(~np.isfinite(x))[0]))
-        raise _refusal(solution, f"column {column} is not a finite number")
+        raise refusal(solution, f"column {column} is not a finite number")
     return x
 
 
 def _check_gross(solution: Solution, found: Violations, tolerance: float) -> None:
     if found.integrality > _FRACTION:
-        raise _refusal(
+        raise refusal(
             solution,
             f"integer column {found.worst_integer} is off its integer by {found.integrality:.3g}",
         )
     if found.rows_relative > _GROSS or found.bounds_relative > max(_GROSS, tolerance):
-        raise _refusal(solution, found.describe())
+        raise refusal(solution, found.describe())
 
 
 def _check_objective(model: Model, solution: Solution, x: Floats) -> None:
     if solution.objective is None:
-        raise _refusal(solution, "it returned a point without its objective")
+        raise refusal(solution, "it returned a point without its objective")
     value = exact_objective(model, x)
     scale = 1.0 + float(np.abs(model.c) @ np.abs(x)) + abs(model.offset)
     if abs(value - solution.objective) > TOLERANCE * scale:
-        raise _refusal(
+        raise refusal(
             solution, f"it claims objective {solution.objective:.12g}, its point has {value:.12g}"
         )
     if solution.bound is not None and solution.bound > value + TOLERANCE * scale:
-        raise _refusal(
+        raise refusal(
             solution, f"its bound {solution.bound:.12g} exceeds its own point's {value:.12g}"
         )
 
@@ -256,7 +175,7 @@ def _polished(model: Model, solution: Solution, x: Floats) -> Floats:
     again = get("highs").solve(linear, SolveOptions())
     if again.x is None:
         found = violations(model, x)
-        raise _refusal(
+        raise refusal(
             solution, f"with its integers rounded no point is feasible; {found.describe()}"
         )
     return _rounded(model, np.where(fixed, x, again.x))

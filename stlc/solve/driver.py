@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from stlc.milp.compile import Compiled, CompileOptions
     from stlc.mission import Mission
     from stlc.plan import Plan
+    from stlc.solve.confirm import RefutedError
     from stlc.verify import Report
 
 _OPINION = 60.0  # s that a second solver may take at least to confirm an infeasible claim
@@ -69,7 +70,11 @@ class SolveSettings:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """A certified plan and how it was come by. `confirmation` is a second solver's word."""
+    """A certified plan and how it was come by.
+
+    `confirmation` is a second solver's word; `refused` says which solver's answer was refused when
+    the plan is another's, found after it.
+    """
 
     plan: Plan
     report: Report
@@ -77,6 +82,7 @@ class Outcome:
     solution: Solution
     seconds: dict[str, float]
     confirmation: str | None = None
+    refused: str | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """What `stlc solve --json` prints."""
@@ -99,6 +105,7 @@ class Outcome:
             "robustness": {r.name: r.robustness for r in self.plan.requirements},
             "ignored": list(self.solution.ignored),
             "confirmation": self.confirmation,
+            "refused": self.refused,
         }
 
 
@@ -111,10 +118,11 @@ def solve_mission(
     """Plan a mission.
 
     `listen` and `should_stop` are called in this thread. When `should_stop` says so, and on
-    KeyboardInterrupt, the best plan so far is the outcome. Raises InfeasibleError (confirmed by a
-    second solver), NoPlanError at a limit with nothing in hand, InterruptedSolveError when stopped
-    with nothing in hand, SolverError when the solver is missing, fails or its answer is refused,
-    and DisagreementError when the verifier refuses what the Model accepts.
+    KeyboardInterrupt, the best plan so far is the outcome. Where a second solver refutes a claim
+    that there is none, it goes on from the point that it found. Raises InfeasibleError (confirmed
+    by a second solver), NoPlanError at a limit with nothing in hand, InterruptedSolveError when
+    stopped with nothing in hand, SolverError when the solver is missing, fails or its answer is
+    refused, and DisagreementError when the verifier refuses what the Model accepts.
     """
     from stlc.milp.compile import compile_mission
     from stlc.milp.encodings import encoding_label
@@ -175,6 +183,7 @@ class _Job:
     encoding: str
     keeper: Keeper = field(init=False)
     _stopped: bool = False
+    _refused: str | None = None
 
     def __post_init__(self) -> None:
         self.keeper = Keeper(
@@ -208,10 +217,14 @@ class _Job:
             text = f"{self.backend.name} hands over no plan before it ends"
             self.listen(DiagnosticEvent("note", f"{text}: none can be saved on the way"))
         name, compiled, backend = self.settings.strategy, self.compiled, self.backend
-        supervisor = Supervisor(
-            lambda asked: run_strategy(name, compiled, backend, asked), self._options(),
-            self.settings.grace,
-        )  # fmt: skip
+        return self._supervise(
+            lambda asked: run_strategy(name, compiled, backend, asked), self._options()
+        )
+
+    def _supervise(
+        self, work: Callable[[SolveOptions], Solution], options: SolveOptions
+    ) -> Solution | None:
+        supervisor = Supervisor(work, options, self.settings.grace)
         try:
             solution = supervisor.run()
         finally:
@@ -281,7 +294,7 @@ class _Job:
         """Turn the solver's claim into a certified plan, or into the error that fits."""
         match solution.status:
             case Status.INFEASIBLE:
-                raise self._infeasible(solution)
+                return self._doubt(solution, seconds)
             case Status.NO_SOLUTION:
                 raise NoPlanError(_no_plan(self.settings, solution.solver_version, solution.bound))
             case Status.UNBOUNDED | Status.FAILED:
@@ -309,6 +322,7 @@ class _Job:
         )
 
     def _hand_over(self, outcome: Outcome) -> Outcome:
+        outcome = replace(outcome, refused=self._refused)
         if self.settings.save_to is not None:
             outcome.plan.write(self.settings.save_to)
         self.listen(StatusEvent("done", outcome.plan.solve.status))
@@ -320,7 +334,8 @@ class _Job:
         return SolveOptions(s.time_limit, s.gap, s.threads, s.seed)
 
     def _confirm(self, solution: Solution) -> str:
-        from stlc.solve.certify import certify, confirm_optimal, second_opinion
+        from stlc.solve.certify import certify
+        from stlc.solve.confirm import confirm_optimal, second_opinion
 
         second = second_opinion(self.backend.name)
         if second is None:
@@ -329,13 +344,39 @@ class _Job:
         first = certify(self.compiled.model, solution, options=asked)
         return str(confirm_optimal(self.compiled.model, first, second, asked))
 
-    def _infeasible(self, solution: Solution) -> Exception:
-        from stlc.solve.certify import confirm_infeasible
+    def _doubt(self, solution: Solution, seconds: dict[str, float]) -> Outcome:
+        """Hear a second solver on a claim that there is no plan."""
+        from stlc.solve.certify import refusal
+        from stlc.solve.confirm import RefutedError, confirm_infeasible
 
+        if self.keeper.plan is not None:
+            problem = "it claims infeasible, but a verified plan is in hand"
+            self._refused = str(refusal(solution, problem))
+            return self._stand(seconds)
         limit = self.settings.time_limit or max(_OPINION, 2 * solution.seconds)
         asked = replace(self._options_asked(), time_limit=limit)
-        confirmed = confirm_infeasible(self.compiled.model, solution, options=asked)
-        return InfeasibleError(f"no run satisfies the mission ({confirmed})")
+        try:
+            confirmed = confirm_infeasible(self.compiled.model, solution, options=asked)
+        except RefutedError as error:
+            return self._go_on(error, asked, seconds)
+        raise InfeasibleError(f"no run satisfies the mission ({confirmed})")
+
+    def _go_on(
+        self, refuted: RefutedError, asked: SolveOptions, seconds: dict[str, float]
+    ) -> Outcome:
+        """The second solver has found a plan: it is kept, and bettered if time allows."""
+        self._refused = str(refuted)
+        second = self.backend = refuted.by
+        self.listen(DiagnosticEvent("warning", f"{refuted}; {second.version()} goes on from there"))
+        self.keeper.solver, self.keeper.version = second.name, second.version()
+        self.keeper.take(refuted.x, self.compiled.model.objective(refuted.x))
+        asked = replace(
+            asked, start=refuted.x, on_progress=self._on_progress, should_stop=self.should_stop
+        )
+        solution = self._supervise(lambda given: second.solve(self.compiled.model, given), asked)
+        if solution is None or solution.x is None or self._is_kept(solution):
+            return self._stand(seconds)
+        return self._finish(solution, seconds)
 
 
 def _no_plan(settings: SolveSettings, solver: str, bound: float | None) -> str:

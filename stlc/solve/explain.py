@@ -22,7 +22,7 @@ from stlc.backends.base import Solution, SolveOptions, Status
 from stlc.errors import InfeasibleError
 from stlc.ir.nodes import Always, And, Node
 from stlc.mission import Mission, Requirement
-from stlc.solve.certify import confirm_infeasible
+from stlc.solve.confirm import confirm_infeasible
 from stlc.solve.supervise import Supervisor
 
 if TYPE_CHECKING:

@@ -13,7 +13,8 @@ from stlc.backends.conformance import knapsack
 from stlc.errors import SolverError
 from stlc.milp.builder import ModelBuilder
 from stlc.milp.model import Model, Origin
-from stlc.solve.certify import certify, confirm_infeasible, confirm_optimal, second_opinion
+from stlc.solve.certify import certify
+from stlc.solve.confirm import RefutedError, confirm_infeasible, confirm_optimal, second_opinion
 from stlc.solve.violations import exact_objective, violations
 from stlc.source import Source
 
@@ -118,8 +119,10 @@ def test_a_suboptimal_claim_is_refuted_by_a_second_solver() -> None:
 def test_a_false_infeasible_is_caught() -> None:
     lie = replace(TRUTH, status=Status.INFEASIBLE, x=None, objective=None, bound=None)
     assert certify(MODEL, lie).x is None
-    with pytest.raises(SolverError, match=r"Fibber 1.0.* claims infeasible, but HiGHS"):
+    with pytest.raises(RefutedError, match=r"Fibber 1.0.* claims infeasible, but HiGHS") as error:
         confirm_infeasible(MODEL, lie, get("highs"))
+    assert error.value.exit_status == 5
+    assert violations(MODEL, error.value.x).within(1e-6)
 
 
 def test_a_true_infeasible_is_confirmed_by_another_solver() -> None:

@@ -1,0 +1,106 @@
+"""A second solver's word on what cannot be certified: that there is no point, or no better one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stlc.backends import get
+from stlc.backends.base import Backend, Floats, Solution, SolveOptions, Status
+from stlc.errors import SolverError
+from stlc.milp.model import Model
+from stlc.solve.certify import TOLERANCE, Certified, certify, refusal
+
+
+class RefutedError(SolverError):
+    """A solver claims that there is no point; `x` (n,), certified, was found by `by`."""
+
+    def __init__(self, message: str, x: Floats, by: Backend) -> None:
+        super().__init__(message)
+        self.x = x
+        self.by = by
+
+
+@dataclass(frozen=True, slots=True)
+class Confirmation:
+    """What a second solver said about a claim of the first."""
+
+    confirmed: bool
+    by: str  # solver and version
+    seconds: float
+    message: str
+
+    def __str__(self) -> str:
+        return self.message
+
+
+def confirm_infeasible(
+    model: Model,
+    first: Solution | str,
+    second: Backend | None = None,
+    options: SolveOptions | None = None,
+) -> Confirmation:
+    """Let a second solver judge an infeasible claim of `first`; the objective is left out.
+
+    `second` is by default another installed solver (`second_opinion`). `confirmed` is False where
+    there is none or it reached its limits. RefutedError names the first solver when the second
+    finds a point and that point is certified.
+    """
+    claim = Solution(Status.INFEASIBLE, solver=first) if isinstance(first, str) else first
+    who = claim.solver_version or claim.solver
+    second = second or second_opinion(claim.solver)
+    if second is None:
+        return Confirmation(False, "", 0.0, f"{who} says so; no second solver is installed")
+    feasibility = replace(model, c=np.zeros(model.columns), offset=0.0)
+    asked = replace(options or SolveOptions(), start=None, on_progress=None)
+    answer = second.solve(feasibility, asked)
+    by = answer.solver_version or second.name
+    if answer.status is Status.INFEASIBLE:
+        return Confirmation(True, by, answer.seconds, f"proven by {who}, confirmed by {by}")
+    found = certify(feasibility, answer, options=asked)
+    if found.x is not None:
+        problem = f"it claims infeasible, but {by} found a point that is certified"
+        raise RefutedError(str(refusal(claim, problem)), found.x, second)
+    return Confirmation(False, by, answer.seconds, f"{who} says so; {by} could not decide")
+
+
+def confirm_optimal(
+    model: Model, first: Certified, second: Backend, options: SolveOptions | None = None
+) -> Confirmation:
+    """Let a second solver judge an optimum. SolverError when it certifies a better point."""
+    asked = replace(options or SolveOptions(), start=None, on_progress=None)
+    other = certify(model, second.solve(model, asked), options=asked)
+    by = other.claim.solver_version or second.name
+    if first.objective is None:
+        raise refusal(first.claim, "it has no point to confirm")
+    if other.status is Status.INFEASIBLE:
+        raise refusal(other.claim, "it claims infeasible, but a certified point exists")
+    slack = (asked.gap + TOLERANCE) * max(1.0, abs(first.objective))
+    if other.objective is not None and other.objective < first.objective - slack:
+        raise refusal(
+            first.claim,
+            f"it claims {first.objective:.9g} is optimal, but {by} found {other.objective:.9g}",
+        )
+    proven = other.status is Status.OPTIMAL
+    said = "agrees" if proven else f"could not decide: {other.claim.message}"
+    return Confirmation(proven, by, other.claim.seconds, f"{by} {said}")
+
+
+_FAMILIES = (
+    ("scip", "external-scip", "external-fscip"),
+    ("mip", "pulp", "external-cbc"),
+    ("highs", "cvxpy", "scipy", "external-highs"),
+    ("external-glpsol",),
+)
+
+
+def second_opinion(first: str) -> Backend | None:
+    """An installed backend that is built on another solver than the one named, if any."""
+    for family in _FAMILIES:
+        if first in family:
+            continue
+        for backend in map(get, family):
+            if backend.available() is None:
+                return backend
+    return None
