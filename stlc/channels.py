@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from stlc.errors import StlcError
 from stlc.ir.nodes import Link, Quantity, Relation
-from stlc.mission import Bound, Channel, Mission
+from stlc.mission import Bound, Channel, Mission, TermKind
 from stlc.radio.costs import CLAMP, CostName, cost_interval, link_cost
 from stlc.radio.gp import ChannelModel
 from stlc.radio.links import LinkBudget, average_bounds
@@ -110,7 +110,8 @@ class ChannelTables:
         model, budget = needed(channel)
         ends = link_ends(self.mission, channel, pair)
         bound = _BOUNDS[channel.predicate_bound]
-        table = threshold_table(model, ends, predicate(link, budget), budget, bound)
+        wanted = any(t.kind is TermKind.ROBUSTNESS for t in self.mission.objective)
+        table = threshold_table(model, ends, predicate(link, budget), budget, bound, wanted)
         sides = (table.low.matrix(), table.high.matrix())
         return Thresholds(*(_shaped(self.mission, side, pair) for side in sides))
 

@@ -42,6 +42,12 @@ SLACK = 1e-9
 FINEST = 8
 """Most parts along an axis of a cell; its square towards a station."""
 
+EVERYWHERE = (-np.inf, np.inf)
+"""A focus on all levels."""
+
+DECIDED = 2.0
+"""Slack [dB] left to a bound that lies beyond the levels that matter, as its cell does."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PairBounds:
@@ -61,9 +67,21 @@ class PairBounds:
 
 @dataclass(frozen=True, slots=True)
 class _Ask:
+    """What is wanted: sigma with fading, of mean - z sigma, `spread` or not; how tight."""
+
     fading: bool
     z: float
     spread: bool
+    tolerance: float
+    focus: tuple[float, float]
+
+    def loose(self, bound: Array, seen: Array, sign: float) -> NDArray[np.bool_]:
+        """Where a lower (sign 1) or upper (-1) bound (K,) of the level is too far beyond the
+        values seen in its cell (K,)."""
+        below = (bound < self.focus[0]) & (seen < self.focus[0])
+        above = (bound >= self.focus[1]) & (seen >= self.focus[1])
+        allowed = np.where(below | above, max(DECIDED, self.tolerance), self.tolerance)
+        return np.asarray(sign * (seen - bound) > allowed, dtype=np.bool_)
 
 
 def pair_bounds(
@@ -76,12 +94,14 @@ def pair_bounds(
     spread: bool = True,
     tolerance: float = 0.5,
     budget: float = 1e10,
+    focus: tuple[float, float] = EVERYWHERE,
 ) -> PairBounds:
     """Bounds for all pairs of boxes of `a` and `b` (b None: `a` with itself, half the work).
 
     spread=False leaves sigma at its prior bounds (z must be 0), which is much faster;
     tolerance [dB] on `level`; budget: multiplications (pairs of parts x M^2) to spend after
-    the first look, on the loosest pairs first.
+    the first look, on the loosest pairs first; focus [dBm]: levels that matter, a bound that
+    lies beyond them as its cell does may be looser (DECIDED).
     Raises RadioError for `paper_min`, whose posterior variance obeys no such bound.
     """
     if model.kernel is not KernelName.SYMMETRISED:
@@ -91,9 +111,8 @@ def pair_bounds(
     field = prepare(model, a.centre.shape[1])
     swapped = b is not None and len(b) < len(a)  # rows are walked one by one: few, long rows
     ends = (a, a) if b is None else (b, a) if swapped else (a, b)
-    search = _Search(
-        field, _Ask(fading, z, spread), tolerance, len(ends[0]), len(ends[1]), b is None
-    )
+    ask = _Ask(fading, z, spread, tolerance, focus)
+    search = _Search(field, ask, len(ends[0]), len(ends[1]), b is None)
     with single_thread():
         last = search.run(ends[0], ends[1], budget)
     bounds = search.bounds.swapaxes(1, 2) if swapped else search.bounds
@@ -105,10 +124,8 @@ def pair_bounds(
 class _Search:
     """Branch and bound over pairs of parts; only parts that keep a bound loose are cut."""
 
-    def __init__(
-        self, field: PairField, ask: _Ask, tolerance: float, rows: int, columns: int, same: bool
-    ) -> None:
-        self.field, self.ask, self.tolerance, self.same = field, ask, tolerance, same
+    def __init__(self, field: PairField, ask: _Ask, rows: int, columns: int, same: bool) -> None:
+        self.field, self.ask, self.same = field, ask, same
         self.bounds = np.empty((6, rows, columns))
         self.bounds[0::2], self.bounds[1::2] = -np.inf, np.inf
         self.settled = np.empty_like(self.bounds)
@@ -194,7 +211,7 @@ class _Search:
         np.minimum.at(self.seen[0, row], columns, values[6])
         np.maximum.at(self.seen[1, row], columns, values[6])
         low, high = self.seen[:, row, columns]
-        loose = (low - values[4] > self.tolerance) | (values[5] - high > self.tolerance)
+        loose = self.ask.loose(values[4], low, 1.0) | self.ask.loose(values[5], high, -1.0)
         touched = np.unique(columns)
         for k in range(6):
             fold, keep = (np.maximum, np.minimum) if k % 2 else (np.minimum, np.maximum)

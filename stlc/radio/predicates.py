@@ -19,6 +19,7 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
+from stlc.radio.bounds import EVERYWHERE
 from stlc.radio.errors import RadioError
 from stlc.radio.gp import ChannelModel
 from stlc.radio.links import LinkBudget, average, average_bounds, check_fading, z_quantile
@@ -137,15 +138,41 @@ def check_predicate(model: ChannelModel, predicate: LinkPredicate, budget: LinkB
     quantity_value(predicate, np.zeros(1), np.zeros(1), budget)
 
 
+def _deciding(
+    model: ChannelModel, ends: LinkEnds, predicate: LinkPredicate, budget: LinkBudget
+) -> tuple[float, float]:
+    """Levels mean - z sigma [dBm], before calibration, among which the predicate turns true.
+
+    For averages over sigma a decibel more on both sides: its bounds are loose as well.
+    """
+    offset, floor = model.offset(ends.receiver), budget.noise_floor
+    if predicate.quantity in (Quantity.RSSI, Quantity.CHANCE):
+        return predicate.threshold - offset, predicate.threshold - offset
+    if predicate.quantity is Quantity.SNR:
+        return predicate.threshold + floor - offset, predicate.threshold + floor - offset
+    level = np.arange(floor - 100.0, floor + 200.0, 0.1)
+    ends_at = []
+    for spread in (model.fading, model.fading + model.shadowing):
+        sigma = np.full_like(level, np.sqrt(spread))
+        value = predicate.robustness(quantity_value(predicate, level, sigma, budget))
+        ends_at.append(int(np.argmax((value >= 0) != (value[0] >= 0))))
+    if min(ends_at) == 0:  # never turns within 300 dB
+        return EVERYWHERE
+    return float(level[min(ends_at)] - 1.0 - offset), float(level[max(ends_at)] + 1.0 - offset)
+
+
 def threshold_table(
     model: ChannelModel,
     ends: LinkEnds,
     predicate: LinkPredicate,
     budget: LinkBudget,
     bound: BoundName = "worst",
+    everywhere: bool = False,
 ) -> ThresholdTable:
     """The robustness of a predicate on cells; `worst` is rigorous for both polarities.
 
+    `worst` is tight where it decides; beyond the threshold it may be looser, unless it is wanted
+    tight `everywhere`.
     Raises RadioError (see `check_predicate`), and for `worst` with the kernel paper_min.
     """
     check_predicate(model, predicate, budget)
@@ -155,7 +182,8 @@ def threshold_table(
         value = tabulate(model, ends, lambda m, s: quantity_value(predicate, m, s, budget), bound)
         table = make_table(predicate.robustness(value), *cells, unit)
         return ThresholdTable(predicate, table, table)
-    found = bound_ends(model, ends, predicate.z, predicate.quantity in SPREAD_QUANTITIES)
+    focus = EVERYWHERE if everywhere else _deciding(model, ends, predicate, budget)
+    found = bound_ends(model, ends, predicate.z, predicate.quantity in SPREAD_QUANTITIES, focus)
     value_low, value_high = quantity_interval(
         predicate, found.mean, found.sigma, found.level, budget
     )

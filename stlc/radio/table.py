@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.radio.bounds import PairBounds, pair_bounds
+from stlc.radio.bounds import EVERYWHERE, PairBounds, pair_bounds
 from stlc.radio.costs import CostName, cost_interval, link_cost
 from stlc.radio.errors import RadioError
 from stlc.radio.gp import ChannelModel
@@ -195,13 +195,21 @@ def cost_table(
     return make_table(values, ends.first, ends.second_cells, cost.value, tuple(sorted(notes)))
 
 
-def bound_ends(model: ChannelModel, ends: LinkEnds, z: float, spread: bool = True) -> PairBounds:
+def bound_ends(
+    model: ChannelModel,
+    ends: LinkEnds,
+    z: float,
+    spread: bool = True,
+    focus: tuple[float, float] = EVERYWHERE,
+) -> PairBounds:
     """Rigorous bounds of mean, sigma (fading included) and mean - z sigma over the cells.
 
-    spread=False: sigma is not needed, its bounds may be wide (much faster).
+    spread=False: sigma is not needed, its bounds may be wide (much faster). focus: see
+    `pair_bounds`, in levels before calibration.
     """
     first, second = ends.boxes()
-    found = pair_bounds(model, first, None if ends.symmetric else second, z=z, spread=spread)
+    other = None if ends.symmetric else second
+    found = pair_bounds(model, first, other, z=z, spread=spread, focus=focus)
     shift = model.offset(ends.receiver)
     mean = found.mean[0] + shift, found.mean[1] + shift
     level = found.level[0] + shift, found.level[1] + shift

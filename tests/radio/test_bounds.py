@@ -76,6 +76,19 @@ def test_coarse_bounds_are_sound_for_any_channel(seed, part):
     assert (found.level[0] <= mean - np.sqrt(variance) + 1e-6).all()
 
 
+@pytest.mark.parametrize(("seed", "level"), [(0, -45.0), (1, -36.0), (2, -30.0), (3, -24.0)])
+def test_a_focus_keeps_bounds_sound_and_decides_as_much(seed, level):
+    rng = np.random.default_rng(seed)
+    focused = pair_bounds(MODEL, BOXES, budget=2e6, z=1.645, focus=(level, level))
+    plain = pair_bounds(MODEL, BOXES, budget=2e6, z=1.645)
+    mean, variance = predict_pairs(MODEL, points(rng, BOXES), points(rng, BOXES), True)
+    value = mean - 1.645 * np.sqrt(variance)
+    assert (focused.level[0] <= value).all()
+    assert (value <= focused.level[1]).all()
+    decided = [(b.level[0] >= level).sum() + (b.level[1] < level).sum() for b in (focused, plain)]
+    assert decided[0] >= decided[1]
+
+
 def test_bounds_are_symmetric_tighten_and_say_how_tight():
     coarse = pair_bounds(MODEL, BOXES, budget=1e5)
     fine = BOUNDS[0.0]
