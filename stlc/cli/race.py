@@ -11,6 +11,7 @@ import click
 
 from stlc.cli.common import (
     check_outputs,
+    complain,
     load,
     mission_options,
     parse_solver_options,
@@ -19,14 +20,13 @@ from stlc.cli.common import (
 )
 from stlc.cli.interrupt import interruptible
 from stlc.cli.progress import listener
-from stlc.errors import DisagreementError, InfeasibleError, NoPlanError
-from stlc.solve.events import Listener, ProgressEvent, StatusEvent
+from stlc.errors import SolverError
 
 if TYPE_CHECKING:
-    from stlc.backends.base import Progress
     from stlc.milp.compile import Compiled
     from stlc.mission import Mission
-    from stlc.solve.race import Race, Racer
+    from stlc.solve.contest import Result
+    from stlc.solve.race import Racer
 
 
 @click.command("race")
@@ -46,30 +46,19 @@ if TYPE_CHECKING:
 def race_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...],
                  **words: Any) -> int:  # fmt: skip
     """Solve FILE with several solvers and encodings at once; the first certified proof wins."""
-    from stlc.solve.race import Finish
+    from stlc.solve.contest import Contest
 
     mission = load(file, define, allow_path)
     check_outputs(words["output"])
     compiled, racers = _enter(mission, words)
+    tell = listener(words["style"])
     with interruptible() as stop:
-        result = _run(racers, words["cluster"], listener(words["style"]), stop)
-    winner = result.winner
-    if winner is None or winner.certified is None:
-        raise NoPlanError(f"no racer found a plan\n{_laps(result)}")
-    if winner.certified.x is None:
-        raise InfeasibleError(f"no run satisfies the mission (proven by {winner.name})")
-    plan, report = _judge(mission, compiled[winner.name], winner.certified, winner.name)
-    if not report.ok:
-        raise DisagreementError(f"{winner.name}: the verifier refuses the plan\n{report.text()}")
-    if words["output"]:
-        plan.write(words["output"])
-    proof = winner.finish is Finish.PROOF
-    click.echo(
-        json.dumps(_as_dict(result, plan.solve.objective, proof), indent=2)
-        if words["as_json"]
-        else f"{winner.name} wins: objective {plain(plan.solve.objective)}"
-        f"{', proven optimal' if proof else ', not proven'}; verified\n{_laps(result)}"
-    )
+        contest = Contest(mission, compiled, racers, tell, words["output"], words["cluster"])
+        result = contest.run(stop)
+    click.echo(json.dumps(_as_dict(result), indent=2) if words["as_json"] else _summary(result))
+    if result.refused is not None:
+        complain(result.refused)
+        return SolverError.exit_status
     return 0
 
 
@@ -93,41 +82,20 @@ def _enter(mission: Mission, words: dict[str, Any]) -> tuple[dict[str, Compiled]
     return compiled, racers
 
 
-def _run(racers: list[Racer], cluster: str | None, listen: Listener, stop: Any) -> Race:
-    from stlc.solve.cluster import race_on_cluster
-    from stlc.solve.race import race
-
-    listen(StatusEvent("solve", "racing " + ", ".join(r.name for r in racers)))
-    if cluster is not None:
-        return race_on_cluster(cluster, racers, should_stop=stop)
-
-    def tell(name: str, p: Progress) -> None:
-        listen(ProgressEvent(p.seconds, p.objective, p.bound, p.gap, p.nodes))
-
-    return race(racers, on_progress=tell, should_stop=stop)
+def _summary(result: Result) -> str:
+    proof = "proven optimal" if result.proven else "not proven"
+    value = plain(result.plan.solve.objective)
+    return f"{result.winner} wins: objective {value}, {proof}; verified\n{result.race.text()}"
 
 
-def _judge(mission: Mission, compiled: Compiled, certified: Any, name: str) -> Any:
-    from stlc.solve.driver import judge_point
-
-    claim = replace(certified.claim, x=certified.x, objective=certified.objective)
-    return judge_point(mission, compiled, claim, encoding=name.partition(":")[2] or "auto")
-
-
-def _laps(result: Race) -> str:
-    return "\n".join(
-        f"  {lap.name:24} {lap.finish.value:8} {lap.seconds:7.1f} s  {lap.message}".rstrip()
-        for lap in result.laps
-    )
-
-
-def _as_dict(result: Race, objective: float | None, proof: bool) -> dict[str, Any]:
+def _as_dict(result: Result) -> dict[str, Any]:
     return {
-        "winner": result.winner.name if result.winner else None,
-        "objective": objective,
-        "proven": proof,
+        "winner": result.winner,
+        "objective": result.plan.solve.objective,
+        "proven": result.proven,
+        "refused": result.refused,
         "laps": [
             {"name": p.name, "finish": p.finish.value, "seconds": p.seconds, "message": p.message}
-            for p in result.laps
+            for p in result.race.laps
         ],
     }

@@ -5,20 +5,28 @@ dask's `cancel` does not stop a running solve, so the tasks watch a shared event
 
 from __future__ import annotations
 
+import pickle
+import time
 import uuid
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import Any
 
+from stlc.backends.base import Progress
 from stlc.errors import SolverError
-from stlc.solve.race import Finish, Lap, Race, Racer, best, check_names, race
+from stlc.solve.race import Finish, Lap, Race, Racer, Report, best, check_names, race
 
 _POLL = 0.2  # s
 _TIMEOUT = 10.0  # s to reach the scheduler
+_LAST_WORD = 5.0  # s for racers that were told to stop to send their last points
 
 
 def race_on_cluster(
-    address: str, racers: Sequence[Racer], *, should_stop: Callable[[], bool] | None = None
+    address: str,
+    racers: Sequence[Racer],
+    *,
+    on_progress: Report | None = None,
+    should_stop: Callable[[], bool] | None = None,
 ) -> Race:
     """Race on the workers of the scheduler at `address` (such as tcp://host:8786).
 
@@ -32,10 +40,15 @@ def race_on_cluster(
             client.submit(run_remotely, racer, word, pure=False, retries=0): racer.name
             for racer in racers
         }
+        laps: dict[str, Lap] = {}
+        reports = _Reports(word, client, on_progress)
         try:
-            laps = _gather(futures, should_stop)
+            _gather(futures, laps, reports, should_stop)
         finally:
             stop_event(word, client).set()
+        if not _decided(laps):
+            _gather(futures, laps, reports, _after(_LAST_WORD))
+        reports.close()
         ended = [Lap(r.name, Finish.ENDED, 0.0) for r in racers if r.name not in laps]
         everyone = laps | {lap.name: lap for lap in ended}
         return Race(best(laps.values()), tuple(everyone[r.name] for r in racers))
@@ -43,8 +56,13 @@ def race_on_cluster(
 
 def run_remotely(racer: Racer, word: str) -> Lap:
     """On a worker: race one racer alone until it is done or the event `word` is set."""
-    stop = stop_event(word, distributed().get_client())
-    return race([racer], should_stop=stop.is_set).laps[0]
+    client = distributed().get_client()
+    stop, queue = stop_event(word, client), _queue(word, client)
+
+    def tell(name: str, progress: Progress) -> None:
+        queue.put(pickle.dumps((name, progress)))
+
+    return race([racer], on_progress=tell, should_stop=stop.is_set).laps[0]
 
 
 def connect(address: str) -> Any:
@@ -68,13 +86,49 @@ def stop_event(word: str, client: Any) -> Any:
     return distributed().Event(word, client=client)
 
 
-def _gather(futures: dict[Any, str], should_stop: Callable[[], bool] | None) -> dict[str, Lap]:
-    """Laps as they finish, until one is a proof, all are in, or somebody says stop."""
-    laps: dict[str, Lap] = {}
-    open_ = set(futures)
-    while open_ and not any(lap.finish is Finish.PROOF for lap in laps.values()):
+def _queue(word: str, client: Any) -> Any:
+    return distributed().Queue(word, client=client)
+
+
+class _Reports:
+    """Progress that the racers put into a queue of the cluster."""
+
+    def __init__(self, word: str, client: Any, tell: Report | None) -> None:
+        self._queue, self._tell = _queue(word, client), tell
+
+    def deliver(self) -> None:
+        """Pass on what waits."""
+        for data in self._queue.get(batch=True):
+            name, progress = pickle.loads(data)
+            if self._tell is not None:
+                self._tell(name, progress)
+
+    def close(self) -> None:
+        """No more of it."""
+        self._queue.close()
+
+
+def _after(seconds: float) -> Callable[[], bool]:
+    end = time.monotonic() + seconds
+    return lambda: time.monotonic() > end
+
+
+def _decided(laps: dict[str, Lap]) -> bool:
+    return any(lap.finish is Finish.PROOF for lap in laps.values())
+
+
+def _gather(
+    futures: dict[Any, str],
+    laps: dict[str, Lap],
+    reports: _Reports,
+    should_stop: Callable[[], bool] | None,
+) -> None:
+    """Put laps in as they finish, until one is a proof, all are in, or somebody says stop."""
+    open_ = {future for future, name in futures.items() if name not in laps}
+    while open_ and not _decided(laps):
         if should_stop is not None and should_stop():
-            break
+            return
+        reports.deliver()
         try:
             done = distributed().wait(open_, timeout=_POLL, return_when="FIRST_COMPLETED").done
         except TimeoutError:
@@ -85,4 +139,3 @@ def _gather(futures: dict[Any, str], should_stop: Callable[[], bool] | None) -> 
             text = f"the worker failed: {future.exception()}" if failed else ""
             laps[name] = Lap(name, Finish.FAILED, 0.0, None, text) if failed else future.result()
         open_ -= done
-    return laps

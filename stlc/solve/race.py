@@ -11,10 +11,10 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 from queue import Empty, SimpleQueue
 
-from stlc.backends.base import Progress, SolveOptions, Status
-from stlc.errors import UsageError
+from stlc.backends.base import Progress, Solution, SolveOptions, Status
+from stlc.errors import SolverError, UsageError
 from stlc.milp.model import Model
-from stlc.solve.certify import Certified
+from stlc.solve.certify import Certified, certify
 from stlc.solve.child import Child
 from stlc.solve.wire import Failure, Task
 
@@ -62,6 +62,13 @@ class Race:
     winner: Lap | None
     laps: tuple[Lap, ...]
 
+    def text(self) -> str:
+        """One line for each racer."""
+        return "\n".join(
+            f"  {lap.name:24} {lap.finish.value:8} {lap.seconds:7.1f} s  {lap.message}".rstrip()
+            for lap in self.laps
+        )
+
 
 Report = Callable[[str, Progress], None]
 
@@ -72,21 +79,34 @@ def race(
     on_progress: Report | None = None,
     should_stop: Callable[[], bool] | None = None,
 ) -> Race:
-    """Run all racers at once on this machine. UsageError for none, or two of one name."""
+    """Run all racers at once on this machine. UsageError for none, or two of one name.
+
+    Without a proof, the last point of a racer that was stopped or died counts, if it is certified.
+    """
     check_names(racers)
     queue: SimpleQueue[_Message] = SimpleQueue()
     entries = {racer.name: (racer, _start(racer, queue)) for racer in racers}
     laps: dict[str, Lap] = {}
+    points: dict[str, Progress] = {}
+
+    def report(name: str, progress: Progress) -> None:
+        if progress.incumbent is not None:
+            points[name] = progress
+        if on_progress is not None:
+            on_progress(name, progress)
+
     try:
         while len(laps) < len(entries) and not _decided(laps):
             if should_stop is not None and should_stop():
                 break
-            _advance(entries, laps, queue, on_progress)
+            _advance(entries, laps, queue, report)
     finally:
         for _, child in entries.values():
             child.end()
     for name, (_, child) in entries.items():
         laps.setdefault(name, Lap(name, Finish.ENDED, child.seconds()))
+    if not _decided(laps):
+        laps |= {name: _salvaged(entries[name][0], laps[name], p) for name, p in points.items()}
     return Race(best(laps.values()), tuple(laps[racer.name] for racer in racers))
 
 
@@ -114,6 +134,22 @@ def _objective(lap: Lap) -> float:
     return float("inf") if value is None else value
 
 
+def _salvaged(racer: Racer, lap: Lap, last: Progress) -> Lap:
+    """The last point of a racer that has no answer of its own."""
+    if lap.finish not in (Finish.FAILED, Finish.ENDED) or last.incumbent is None:
+        return lap
+    value = racer.model.objective(last.incumbent)
+    bound = None if last.bound is None else min(last.bound, value)
+    claim = Solution(
+        Status.FEASIBLE, last.incumbent, value, bound, last.nodes, lap.seconds, racer.backend
+    )
+    try:
+        certified = certify(racer.model, claim)
+    except SolverError:
+        return lap
+    return Lap(lap.name, Finish.POINT, lap.seconds, certified, lap.message or "stopped")
+
+
 def _decided(laps: dict[str, Lap]) -> bool:
     return any(lap.finish is Finish.PROOF for lap in laps.values())
 
@@ -125,7 +161,7 @@ def _advance(
     entries: dict[str, tuple[Racer, Child]],
     laps: dict[str, Lap],
     queue: SimpleQueue[_Message],
-    on_progress: Report | None,
+    report: Report,
 ) -> None:
     """Take one message, or look for racers that are late."""
     try:
@@ -141,8 +177,7 @@ def _advance(
     _, child = entries[name]
     match message:
         case Progress():
-            if on_progress is not None:
-                on_progress(name, message)
+            report(name, message)
         case Certified():
             laps[name] = Lap(name, _finish(message), child.seconds(), message)
         case Failure():

@@ -11,19 +11,11 @@ from pathlib import Path
 
 import pytest
 from support.command import LIMIT, long_mission, start, stlc
+from support.events import wait_for
 
 from stlc.mission import Mission
 from stlc.plan import read_plan
 from stlc.verify import verify
-
-
-def _wait_for(process: subprocess.Popen[str], kind: str) -> dict[str, object]:
-    """The first event of a kind on standard error."""
-    assert process.stderr is not None
-    for line in process.stderr:
-        if line.startswith("{") and json.loads(line)["event"] == kind:
-            return dict(json.loads(line))
-    raise AssertionError(f"the process ended without an event '{kind}'")
 
 
 def _solve(folder: Path, *words: object) -> subprocess.Popen[str]:
@@ -36,7 +28,7 @@ def _solve(folder: Path, *words: object) -> subprocess.Popen[str]:
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupt_reports_the_plan_and_its_gap(number: signal.Signals, tmp_path: Path) -> None:
     process = _solve(tmp_path, "--json")
-    seen = _wait_for(process, "solution")
+    seen = wait_for(process, "solution")
     process.send_signal(number)
     out, err = process.communicate(timeout=LIMIT)
     assert process.returncode == 0, err
@@ -53,7 +45,7 @@ def test_an_interrupt_reports_the_plan_and_its_gap(number: signal.Signals, tmp_p
 @pytest.mark.parametrize("backend", ["mip", "pulp", "cvxpy", "scipy"])
 def test_deaf_solvers_are_left_behind(backend: str, tmp_path: Path) -> None:
     process = _solve(tmp_path, "--backend", backend)
-    note = _wait_for(process, "diagnostic")
+    note = wait_for(process, "diagnostic")
     assert "hands over no plan before it ends" in str(note["message"])
     time.sleep(0.3)
     process.send_signal(signal.SIGINT)
@@ -66,7 +58,7 @@ def test_kill_loses_no_saved_plan(tmp_path: Path) -> None:
     """Whatever was announced as saved is there, whole, and satisfies the mission."""
     for wanted in (1, 2):
         process = _solve(tmp_path)
-        best = min(float(str(_wait_for(process, "solution")["objective"])) for _ in range(wanted))
+        best = min(float(str(wait_for(process, "solution")["objective"])) for _ in range(wanted))
         os.kill(process.pid, signal.SIGKILL)
         process.communicate(timeout=LIMIT)
         plan = read_plan(tmp_path / "p.json")

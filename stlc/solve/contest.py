@@ -1,0 +1,163 @@
+"""A race for one mission: racers' points become verified plans, the best of them is kept."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from stlc.backends.base import Progress, Solution, SolveOptions, Status
+from stlc.errors import (
+    DisagreementError,
+    InfeasibleError,
+    InterruptedSolveError,
+    NoPlanError,
+)
+from stlc.solve.driver import judge_point
+from stlc.solve.events import DiagnosticEvent, Listener, ProgressEvent, StatusEvent
+from stlc.solve.keeper import Keeper
+from stlc.solve.race import Finish, Lap, Race, Racer, race
+
+if TYPE_CHECKING:
+    from stlc.milp.compile import Compiled
+    from stlc.mission import Mission
+    from stlc.plan import Plan
+    from stlc.verify import Report
+
+_OPINION = 60.0  # s that a second solver may take at least to confirm an infeasible claim
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """The winner's plan. `refused` says whose claim that there is none was refuted."""
+
+    plan: Plan
+    race: Race
+    winner: str
+    proven: bool
+    refused: str | None = None
+
+
+@dataclass(slots=True)
+class Contest:
+    """One race. `compiled[name]` is what the racer of that name works on.
+
+    While it lasts, `save_to` holds the best verified plan of all racers.
+    """
+
+    mission: Mission
+    compiled: Mapping[str, Compiled]
+    racers: Sequence[Racer]
+    listen: Listener
+    save_to: Path | None = None
+    cluster: str | None = None
+    _keepers: dict[str, Keeper] = field(default_factory=dict)
+    _stopped: bool = False
+
+    def run(self, should_stop: Callable[[], bool]) -> Result:
+        """Race to a result.
+
+        Raises InfeasibleError (confirmed by a second solver), NoPlanError, InterruptedSolveError
+        when stopped with nothing in hand, and DisagreementError when the verifier refuses a plan.
+        """
+        self.listen(StatusEvent("solve", "racing " + ", ".join(r.name for r in self.racers)))
+        self._keepers = {r.name: self._keeper(r) for r in self.racers}
+
+        def stop() -> bool:
+            self._stopped = self._stopped or should_stop()
+            return self._stopped
+
+        result = self._race(stop)
+        winner = result.winner
+        if winner is None or winner.certified is None:
+            return self._stand(result)
+        if winner.certified.x is None:
+            return self._doubt(result, winner)
+        certified = winner.certified
+        claim = replace(certified.claim, x=certified.x, objective=certified.objective)
+        return self._finish(result, winner.name, claim, winner.finish is Finish.PROOF)
+
+    def _race(self, stop: Callable[[], bool]) -> Race:
+        from stlc.solve.cluster import race_on_cluster
+
+        def tell(name: str, progress: Progress) -> None:
+            stop()  # somebody looks: whoever interrupts now need not break in
+            self._on_progress(name, progress)
+
+        try:
+            if self.cluster is None:
+                return race(self.racers, on_progress=tell, should_stop=stop)
+            return race_on_cluster(self.cluster, self.racers, on_progress=tell, should_stop=stop)
+        except KeyboardInterrupt:
+            self._stopped = True
+            return Race(None, ())
+
+    def _keeper(self, racer: Racer) -> Keeper:
+        def judge(claim: Solution) -> tuple[Plan, Report]:
+            return self._judge(racer.name, claim)
+
+        now = time.perf_counter()
+        return Keeper(judge, self.listen, racer.backend, racer.backend, self.save_to, now)
+
+    def _judge(self, name: str, claim: Solution) -> tuple[Plan, Report]:
+        encoding = name.partition(":")[2] or "auto"
+        return judge_point(self.mission, self.compiled[name], claim, encoding=encoding)
+
+    def _on_progress(self, name: str, p: Progress) -> None:
+        self.listen(ProgressEvent(p.seconds, p.objective, p.bound, p.gap, p.nodes))
+        if p.incumbent is None:
+            return
+        keeper = self._keepers[name]
+        keeper.raise_bound(p.bound)
+        value = self.compiled[name].model.objective(p.incumbent)
+        if value < min(k.objective for k in self._keepers.values()):
+            keeper.take(p.incumbent, value)
+
+    def _best(self) -> tuple[str, Keeper] | None:
+        """Who has the best plan so far."""
+        kept = [(n, k) for n, k in self._keepers.items() if k.claim is not None]
+        return min(kept, key=lambda pair: pair[1].objective, default=None)
+
+    def _stand(self, result: Race, refused: str | None = None) -> Result:
+        """What is in hand although no racer has an answer."""
+        best = self._best()
+        if best is not None and best[1].claim is not None:
+            return self._finish(result, best[0], best[1].claim, False, refused)
+        if self._stopped:
+            raise InterruptedSolveError(f"interrupted before a plan was found\n{result.text()}")
+        raise NoPlanError(f"no racer found a plan\n{result.text()}")
+
+    def _doubt(self, result: Race, winner: Lap) -> Result:
+        """Hear a second solver on the winner's claim that there is no plan."""
+        from stlc.solve.certify import refusal
+        from stlc.solve.confirm import RefutedError, confirm_infeasible
+
+        assert winner.certified is not None
+        claim, model = winner.certified.claim, self.compiled[winner.name].model
+        if self._best() is not None:
+            problem = "it claims infeasible, but a verified plan is in hand"
+            return self._stand(result, str(refusal(claim, problem)))
+        options = SolveOptions(time_limit=max(_OPINION, 2 * winner.seconds))
+        try:
+            word = confirm_infeasible(model, claim, options=options)
+        except RefutedError as error:
+            self.listen(DiagnosticEvent("warning", str(error)))
+            by = error.by
+            found = Solution(
+                Status.FEASIBLE, error.x, model.objective(error.x), solver=by.name,
+                solver_version=by.version(),
+            )  # fmt: skip
+            return self._finish(result, winner.name, found, False, str(error))
+        raise InfeasibleError(f"no run satisfies the mission ({word})")
+
+    def _finish(
+        self, result: Race, name: str, claim: Solution, proven: bool, refused: str | None = None
+    ) -> Result:
+        plan, report = self._judge(name, claim)
+        if not report.ok:
+            raise DisagreementError(f"{name}: the verifier refuses the plan\n{report.text()}")
+        if self.save_to is not None:
+            plan.write(self.save_to)
+        return Result(plan, result, name, proven, refused)
