@@ -167,12 +167,12 @@ SCALING = Suite(
     ),
 )  # fmt: skip
 
-_ABLATED = ("either_or_T20_d5", "narrow_passage_T25", "door_puzzle_N1_T20", "horizon_25", "team_3")
+_ABLATED = ("either_or_T20_d5", "narrow_passage_T25", "door_puzzle_N1_T20", "targets_2", "ber_c5")
 
 ABLATION = Suite(
     "ablation",
     "what each pass and encoding is worth: run with --passes each, or with --encodings",
-    tuple(p for s in (STLPY, SCALING, TEAMS) for p in s.problems if p.name in _ABLATED),
+    tuple(p for s in (STLPY, SCALING, RADIO) for p in s.problems if p.name in _ABLATED),
     tuple(f"{name}:milp" for name in ("auto", "onehot", "stl=unary", "log", "bigm", "stl=hull")),
 )
 

@@ -68,6 +68,7 @@ def gap_svg(curves: Mapping[str, Curve], styles: Styles) -> str:
     for label, (xs, ys) in curves.items():
         ax.step(xs, ys, where="post", color=styles[label].colour, label=label, linewidth=1.6)
     ax.set_yscale("log")
+    ax.set_xlim(left=0.0)
     return _finish(fig, ax)
 
 

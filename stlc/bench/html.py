@@ -26,8 +26,11 @@ def table(
 ) -> str:
     """A sortable table; the first `text` columns (and the last, if a note) are left-aligned.
 
-    `firsts` marks rows that begin a group.
+    `firsts` marks rows that begin a group. Columns in which no row says anything are left out.
     """
+    filled = [k for k in range(len(heads)) if any(row[k].text for row in rows)]
+    heads, rows = [heads[k] for k in filled], [[row[k] for k in filled] for row in rows]
+    text = sum(k < text for k in filled)
     left = {*range(text), *(k for k, head in enumerate(heads) if head == "note")}
     head = "".join(
         f"<th{_class('text' if k in left else '')}>{escape(name)}</th>"

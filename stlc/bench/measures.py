@@ -24,9 +24,9 @@ def shifted_geometric_mean(values: Iterable[float], shift: float = SHIFT) -> flo
 class Summary:
     """One configuration over a suite. Ratios are to the reference, on the problems both have.
 
-    `geometric`, `least` and `greatest` leave out problems that neither solved: two time limits say
-    nothing. Where only one of the two was solved, a ratio is a bound: `mark` says which way the
-    geometric mean is one.
+    The reference has none. `geometric`, `least` and `greatest` leave out problems that neither
+    solved: two time limits say nothing. Where only one of the two was solved, a ratio is a bound:
+    `mark` says which way the geometric mean is one.
     """
 
     label: str
@@ -48,7 +48,8 @@ def summaries(table: Table) -> list[Summary]:
 
 def _summary(table: Table, label: str) -> Summary:
     mine, reference = table.of(label), table.of(table.labels[0])
-    common = [problem for problem in mine if problem in reference]
+    own = label == table.labels[0]
+    common = [problem for problem in mine if problem in reference and not own]
     told = [p for p in common if mine[p].solved or reference[p].solved]
     ratios = [time_ratio(mine[p], reference[p]) for p in told]
     means = [

@@ -181,21 +181,25 @@ def _problem_table(one: Table) -> str:
 def _row(label: str, group: Group, reference: Group | None) -> list[Cell]:
     value = group.value
     memory = value("peak_memory")
-    ratio = None if reference is None else time_ratio(group, reference)
-    mark = "" if reference is None else bound_mark([(group, reference)])
-    unknown = not group.solved and reference is not None and not reference.solved
     note = next((run.message for run in group.runs if run.message and not run.certified), "")
     return [
         Cell(group.first.problem), Cell(label), Cell(_status(group), css=_css(group)),
         number(value("objective"), ".6g"), number(value("gap"), ".2%"),
         number(value("gap_60"), ".2%"), number(value("lp_bound"), ".5g"),
         number(group.seconds, ".2f"), _range(group),
-        Cell("") if unknown else number(ratio, ".2f", prefix=mark),
+        _ratio(group, reference),
         *(number(value(k), ".2f")
           for k in ("solver_seconds", "first_plan", "proof", "compile_seconds")),
         *(number(value(k), ".0f") for k in ("nodes", "columns", "binaries", "rows", "nonzeros")),
         number(None if memory is None else memory / 2**20, ".0f"), Cell(note[:60]),
     ]  # fmt: skip
+
+
+def _ratio(group: Group, reference: Group | None) -> Cell:
+    """Nothing for the reference itself, and where two time limits would be compared."""
+    if reference is None or reference is group or not (group.solved or reference.solved):
+        return Cell("")
+    return number(time_ratio(group, reference), ".2f", bound_mark([(group, reference)]))
 
 
 def _range(group: Group) -> Cell:

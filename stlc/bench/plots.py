@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import islice
 
 from stlc.bench.drawing import cactus_svg, finite_gaps, gap_svg, growth_svg, profile_svg
 from stlc.bench.groups import Table
@@ -17,7 +18,7 @@ def plots(table: Table) -> Iterator[tuple[str, str]]:
     """(title, SVG)."""
     styles = looks(own_labels(table))
     curves = cactus(table)
-    if len(table.rows) > 1 and any(xs for xs, _ in curves.values()):
+    if len(table.rows) > 1 and any(len(xs) > 1 for xs, _ in curves.values()):
         limit = max(g.first.time_limit for row in table.rows.values() for g in row.values())
         if len(curves) > 1:
             yield "Performance profile", profile_svg(performance_profile(table), styles)
@@ -25,17 +26,16 @@ def plots(table: Table) -> Iterator[tuple[str, str]]:
     for title, grown in growths(table):
         axis, _, quantity = title.partition(": ")
         yield title, growth_svg(grown, styles, axis.rpartition(" over ")[2], quantity)
-    for problem in _longest(table):
-        shown = _gaps(table, problem)
-        if shown:
-            yield f"Gap over time: {problem}", gap_svg(shown, styles)
+    told = ((problem, _gaps(table, problem)) for problem in _longest_first(table))
+    for problem, shown in islice(((p, gaps) for p, gaps in told if gaps), _GAPS):
+        yield f"Gap over time: {problem}", gap_svg(shown, styles)
 
 
-def _longest(table: Table) -> list[str]:
+def _longest_first(table: Table) -> list[str]:
     def seconds(problem: str) -> float:
         return max(group.seconds for group in table.rows[problem].values())
 
-    return sorted(table.rows, key=seconds, reverse=True)[:_GAPS]
+    return sorted(table.rows, key=seconds, reverse=True)
 
 
 def _gaps(table: Table, problem: str) -> dict[str, Curve]:

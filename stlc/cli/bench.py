@@ -158,10 +158,12 @@ def _executor(left: list[Job], words: dict[str, Any], stop: Any) -> Iterable[Rec
 
 
 def _command() -> str:
+    """As it was given; of absolute paths the last part alone, for reports are shown to others."""
     import shlex
     import sys
 
-    return shlex.join(["stlc", *sys.argv[1:]])
+    words = (Path(w).name if Path(w).is_absolute() else w for w in sys.argv[1:])
+    return shlex.join(["stlc", *words])
 
 
 def _line(record: Record) -> str:
