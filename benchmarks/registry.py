@@ -26,43 +26,26 @@ def _links(
     family: str, seeds: range, axis: str, agents: int = 2, steps: int = 8, cells: int = 10
 ) -> tuple[Problem, ...]:
     """Random missions with link costs; those of one size and seed share their table."""
+    size = {"agents": agents, "steps": steps, "cells": cells}
+    name = f"links_a{agents}_t{steps}_c{cells}_s"
+    quick = seeds == _TEN
     return tuple(
-        _made(
-            "headline",
-            f"links_a{agents}_t{steps}_c{cells}_s{seed}",
-            "links",
-            axis,
-            False,
-            family,
-            (_TABLE.format(cells=cells, seed=seed),),
-            agents=agents,
-            steps=steps,
-            cells=cells,
-            seed=seed,
-        )
+        _made("headline", f"{name}{seed}", "links", axis, quick and seed == 0, family,
+              (_TABLE.format(cells=cells, seed=seed),), **size, seed=seed)
         for seed in seeds
-    )
+    )  # fmt: skip
 
 
 def _talks(kind: int, name: str, *sizes: tuple[int, int, int]) -> tuple[Problem, ...]:
     """Requirements on the channel; `sizes` are agents, steps, cells."""
     return tuple(
-        _made(
-            "headline",
-            f"{name}_a{a}_t{t}_c{c}",
-            "talks",
-            "",
-            a == 2 and t == 8,
-            f"{name} required",
-            kind=kind,
-            agents=a,
-            steps=t,
-            cells=c,
-            seed=0,
-        )
+        _made("headline", f"{name}_a{a}_t{t}_c{c}", "talks", family=f"{name} required",
+              kind=kind, agents=a, steps=t, cells=c, seed=0)
         for a, t, c in sizes
-    )
+    )  # fmt: skip
 
+
+_TEN, _TWO = range(10), range(2)
 
 PAPER = Suite(
     "paper",
@@ -73,8 +56,6 @@ PAPER = Suite(
     ),
     ("auto", "auto:milp", "literal-tight:milp", "literal:milp"),
 )
-
-_TEN, _TWO = range(10), range(2)
 
 HEADLINE = Suite(
     "headline",

@@ -39,6 +39,7 @@ class Summary:
     mark: str  # "≥ ", "≤ ", "~ " where both kinds of bounds mix, or nothing
     least: float | None  # ratio of times
     greatest: float | None
+    greatest_mark: str  # as `mark`, of the greatest ratio
 
 
 def summaries(table: Table) -> list[Summary]:
@@ -52,6 +53,7 @@ def _summary(table: Table, label: str) -> Summary:
     common = [problem for problem in mine if problem in reference and not own]
     told = [p for p in common if mine[p].solved or reference[p].solved]
     ratios = [time_ratio(mine[p], reference[p]) for p in told]
+    top = told[ratios.index(max(ratios))] if told else None
     means = [
         shifted_geometric_mean(side[p].seconds for p in common) if common else math.nan
         for side in (mine, reference)
@@ -67,6 +69,7 @@ def _summary(table: Table, label: str) -> Summary:
         bound_mark((mine[p], reference[p]) for p in told),
         min(ratios, default=None),
         max(ratios, default=None),
+        "" if top is None else bound_mark([(mine[top], reference[top])]),
     )
 
 

@@ -136,7 +136,7 @@ def _summary_table(lines: Sequence[Summary]) -> str:
     rows = [
         [Cell(s.label), number(s.problems, "d"), number(s.solved, "d"), number(s.plans, "d"),
          number(s.mean, ".3f"), number(s.ratio, ".2f"), number(s.geometric, ".2f", s.mark),
-         number(s.least, ".2f"), number(s.greatest, ".2f")]
+         number(s.least, ".2f"), number(s.greatest, ".2f", s.greatest_mark)]
         for s in lines
     ]  # fmt: skip
     return table(heads, rows, text=1)

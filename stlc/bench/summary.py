@@ -50,7 +50,7 @@ def _line(one: Summary) -> str:
         return head
     return (
         f"{head}, {one.mark}{one.geometric:.2f} times the reference "
-        f"(geometric mean; {one.least:.2f} to {one.greatest:.2f})"
+        f"(geometric mean; {one.least:.2f} to {one.greatest_mark}{one.greatest:.2f})"
     )
 
 
