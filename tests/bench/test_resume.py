@@ -6,6 +6,7 @@ import random
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 from stlc.bench.store import Store
@@ -18,7 +19,7 @@ _KILLS = 5
 def _start(folder: Path, store: Path) -> subprocess.Popen[bytes]:
     words = ["bench", "tiny", "--registry", str(folder), "--store", str(store), "--time-limit", "9"]
     return subprocess.Popen(
-        [sys.executable, "-c", "import stlc.cli; stlc.cli.main()", *words],
+        [sys.executable, "-c", "import stlc.cli; stlc.cli.main()", *words, "--repeat", "2", "--quick"],
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
     )  # fmt: skip
 
@@ -28,17 +29,23 @@ def _outcomes(store: Path) -> list[tuple[object, ...]]:
     return sorted((r.problem, r.label, r.repeat, r.status, r.objective, r.rows) for r in runs)
 
 
+def _kill(process: subprocess.Popen[bytes], store: Store, wanted: int, delay: float) -> None:
+    """Kill it at some moment after it has finished `wanted` runs."""
+    while not store.path.is_file() or len(store.keys()) < wanted:
+        assert process.poll() is None
+        time.sleep(0.02)
+    time.sleep(delay)
+    process.kill()
+    assert process.wait() == -signal.SIGKILL
+
+
 def test_killed_five_times_and_resumed(tmp_path: Path) -> None:
     folder, whole, torn = registry(tmp_path), tmp_path / "whole.sqlite", tmp_path / "torn.sqlite"
     assert _start(folder, whole).wait(120) == 0
+    Store(torn).create()
     moments = random.Random(7)
-    for _ in range(_KILLS):
-        process = _start(folder, torn)
-        try:
-            process.wait(moments.uniform(0.8, 3.5))
-        except subprocess.TimeoutExpired:
-            process.send_signal(signal.SIGKILL)
-            process.wait()
+    for count in range(_KILLS):
+        _kill(_start(folder, torn), Store(torn), count, moments.uniform(0.1, 1.0))
     assert _start(folder, torn).wait(120) == 0
-    assert len(_outcomes(whole)) == 6
+    assert len(_outcomes(whole)) == 8
     assert _outcomes(torn) == _outcomes(whole)
