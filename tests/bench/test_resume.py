@@ -17,9 +17,10 @@ _KILLS = 5
 
 
 def _start(folder: Path, store: Path) -> subprocess.Popen[bytes]:
-    words = ["bench", "tiny", "--registry", str(folder), "--store", str(store), "--time-limit", "9"]
+    words = ["bench", "tiny", "--registry", str(folder), "--store", str(store), "--time-limit", "9",
+             "--repeat", "2", "--quick"]  # fmt: skip
     return subprocess.Popen(
-        [sys.executable, "-c", "import stlc.cli; stlc.cli.main()", *words, "--repeat", "2", "--quick"],
+        [sys.executable, "-c", "import stlc.cli; stlc.cli.main()", *words],
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
     )  # fmt: skip
 
