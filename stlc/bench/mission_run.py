@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from stlc.milp.model import Model
 
 LP_SECONDS = 20.0  # at most, for the relaxation bound
+LP_NONZEROS = 5_000_000  # beyond, HiGHS needs longer to begin than it may take
 
 
 def run_mission(job: Job, tell: Tell) -> None:
@@ -185,7 +186,9 @@ def sizes(model: Model) -> dict[str, int]:
 
 
 def relaxation(model: Model, limit: float) -> float | None:
-    """Optimum of the LP relaxation by HiGHS, None when it takes too long."""
+    """Optimum of the LP relaxation by HiGHS, None when it is too large or takes too long."""
+    if model.nonzeros > LP_NONZEROS:
+        return None
     from dataclasses import replace
 
     import numpy as np
