@@ -92,13 +92,24 @@ def near_path(path: FloatArray, data: Path) -> None:
     links = np.array([[x, y, 0.0, *station.position, station.height] for x, y in path])
     mean, variance = model.predict(links, fading=True)
     print("  forecast at the plan's steps against packets of the later run within 0.5 m:")
+    misses, inside = [], []
     for step, (spot, mu, var) in enumerate(zip(path, mean, variance, strict=True)):
         near = values[np.hypot(*(spots - spot).T) <= 0.5]
-        if len(near):
-            print(
-                f"    step {step:2d}  forecast {mu:6.1f} +- {1.645 * var**0.5:4.1f} dBm (90 %)  "
-                f"measured {near.mean():6.1f} dBm, mean of {len(near)}"
-            )
+        if not len(near):
+            continue
+        spread = 1.645 * var**0.5
+        misses.append(near.mean() - mu)
+        inside.append(np.abs(near - mu) <= spread)
+        print(
+            f"    step {step:2d}  forecast {mu:6.1f} +- {spread:4.1f} dBm (90 %)  "
+            f"measured {near.mean():6.1f} dBm, mean of {len(near)}"
+        )
+    error = np.array(misses)
+    print(
+        f"    over {len(error)} of {len(path)} steps: measured mean off the forecast by "
+        f"{error.mean():+.1f} dB, RMSE {np.sqrt((error**2).mean()):.1f} dB; "
+        f"{100 * np.concatenate(inside).mean():.0f} % of the packets within the 90 % interval"
+    )
 
 
 def _solve(file: Path, out: Path, name: str, params: Mapping[str, str]) -> Outcome:

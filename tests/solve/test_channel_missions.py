@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from stlc.channels import ChannelTables
+from stlc.errors import StlcError
+from stlc.ir.nodes import Quantity, Relation
 from stlc.mission import Bound, Mission
+from stlc.radio.links import Modulation, required_ebn0_db
 from stlc.verify.report import Report
 
 WORLD = """
@@ -111,6 +115,40 @@ def test_robustness_of_a_link_is_maximised(bound: str) -> None:
     table = ChannelTables(task).thresholds(task.requirements[0].formula.arg)
     assert report.requirements[0].robustness <= table.high.max() + 1e-6
     assert report.requirements[0].robustness > 0
+
+
+@pytest.mark.parametrize("modulation", Modulation)
+def test_every_modulation(modulation: Modulation) -> None:
+    """Error rates of a plan, and the strength from which they are met, by its own modulation."""
+    needed = required_ebn0_db(modulation, 1e-2)
+    fading = "0" if modulation.rayleigh else "4"
+    channel = MODEL.replace("oqpsk_802_15_4", modulation.value)
+    channel = channel.replace("-62 dBm", f"{-62.0 - needed:.3f} dBm")
+    channel = channel.replace("fading 4", f"fading {fading}")
+    task = mission(
+        "require mean: eventually[1, 4] ber_at_mean(a, base) <= 1e-2",
+        "require talk: eventually[1, 4] ber(a, b) <= 3e-2",
+        "require late: always[3, 4] prr(b, base) >= 0.01",
+        "minimize 0.1 * effort + 0.01 * link_cost(radio, (a, b), (a, base))",
+        model=channel,
+        more="cost etx",
+    )
+    report = solved(task)
+    talk = next(r for r in report.requirements if r.name == "talk")
+    assert 0.0 <= talk.robustness <= 3e-2
+    tables = ChannelTables(task)
+    levels = tables.thresholds(task.requirements[0].formula.arg)
+    strong = ChannelTables(task).thresholds(
+        replace(task.requirements[0].formula.arg, quantity=Quantity.RSSI, threshold=-62.0,
+                relation=Relation.AT_LEAST)
+    )  # fmt: skip
+    np.testing.assert_array_equal(levels.low >= 0, strong.low >= 0)
+
+
+def test_rayleigh_and_a_fading_variance_count_fading_twice() -> None:
+    channel = MODEL.replace("oqpsk_802_15_4", "rayleigh_bpsk")
+    with pytest.raises(StlcError, match="fading"):
+        mission("require talk: eventually[1, 4] ber(a, b) <= 3e-2", model=channel).compile()
 
 
 def test_pairs_of_agents_share_one_table() -> None:
