@@ -64,7 +64,8 @@ class FitReport:
 
     model            conditioned on all samples
     standard_errors  (name, value): l0 [dB], exponent, and of log fading, log shadowing,
-                     log length, from the observed information
+                     log length, from the observed information; by blocks it takes the blocks as
+                     independent, so errors come out too small (said in `notes`)
     log_likelihood   of all samples; by blocks: of the blocks taken as independent
     path_loss        the same samples without shadowing
     samples, links, censored  counts: samples, rows after merging, censored samples
@@ -134,7 +135,7 @@ def fit_channel(samples: Samples, options: FitOptions | None = None) -> FitRepor
         method=_method(problem, model),
         evidence=_evidence(prior, rows, last.sites),
         seconds=time.perf_counter() - started,
-        notes=_notes(model, theta, samples),
+        notes=_notes(problem, model, samples),
     )
 
 
@@ -300,8 +301,10 @@ def _method(problem: Problem, model: ChannelModel) -> str:
     return f"{likelihood}, conditioning through {len(model.posterior.centres)} inducing links"
 
 
-def _notes(model: ChannelModel, theta: Array, samples: Samples) -> tuple[str, ...]:
+def _notes(problem: Problem, model: ChannelModel, samples: Samples) -> tuple[str, ...]:
     notes = []
+    if len(problem.blocks) > 1:
+        notes.append("standard errors take neighbouring blocks as independent: rather too small")
     if model.exponent < 0:
         notes.append(f"the path-loss exponent is negative ({model.exponent:.2f}): check the data")
     if model.shadowing < 1e-3 * model.fading:

@@ -72,6 +72,24 @@ def test_known_parameters_are_recovered_within_their_errors():
     assert fit.log_likelihood > fit.log_likelihood_path_loss + 50.0
 
 
+def test_standard_errors_are_the_spread_of_refitted_draws():
+    """Parametric bootstrap: draws of one channel on the same links, each fitted."""
+    base, _ = anchored(120, 9)
+    rng = np.random.default_rng(10)
+    draws = [make_samples(base.links, TRUTH.sample_prior(base.links, rng)) for _ in range(24)]
+    fits = [fit_channel(draw, FitOptions(restarts=1)) for draw in draws]
+    names = ("l0", "exponent", "log_fading", "log_shadowing", "log_length")
+    found = np.array([[*_parameters(fit.model)] for fit in fits])
+    claimed = np.array([[dict(fit.standard_errors)[n] for n in names] for fit in fits])
+    ratio = np.median(claimed, axis=0) / found.std(axis=0, ddof=1)
+    assert ((ratio > 0.6) & (ratio < 1.6)).all(), ratio
+
+
+def _parameters(model):
+    logs = np.log([model.fading, model.shadowing, model.length])
+    return model.l0, model.exponent, *logs
+
+
 def test_forecast_beats_path_loss_and_is_calibrated():
     samples, _ = anchored(400, 6)
     training, held = split_samples(samples, 0.3, 0)

@@ -115,3 +115,21 @@ def test_impossible_parameters_are_refused(field, value):
     good = dict(l0=-12.0, exponent=3.0, fading=1.0, shadowing=1.0, length=1.0)
     with pytest.raises(RadioError, match=field):
         ChannelModel(**{**good, field: value})
+
+
+def test_samples_at_one_place_and_contradicting_ones():
+    """At no distance the strength is that at d0; equal links without fading give their mean."""
+    place = np.array([[1.0, 2.0, 1.0, 2.0]])
+    model = ChannelModel(-40.0, 2.0, 4.0, 9.0, 2.0)
+    known = condition(model, make_samples(np.repeat(place, 3, axis=0), np.array([-45.0, -41, -43])))
+    mean, variance = known.predict(place, False)
+    weight = 9.0 / (9.0 + 4.0 / 3.0)
+    assert mean[0] == pytest.approx(-40.0 + weight * -3.0, abs=1e-6)
+    assert variance[0] == pytest.approx(9.0 * (1.0 - weight), abs=1e-6)
+    still = condition(
+        ChannelModel(-40.0, 2.0, 0.0, 9.0, 2.0),
+        make_samples(np.repeat(place, 2, axis=0), np.array([-48.0, -44.0])),
+    )
+    mean, variance = still.predict(place, True)
+    assert mean[0] == pytest.approx(-46.0, abs=1e-4)
+    assert 0.0 <= variance[0] < 1e-4
