@@ -57,7 +57,11 @@ def cli() -> None:
 
 def main() -> None:
     """Entry point: runs the command and turns every error into a message and an exit status."""
-    from stlc.cli.common import run_guarded
+    from stlc.cli.common import INTERRUPTED, run_guarded
     from stlc.cli.interrupt import leave
 
-    leave(run_guarded(cli))
+    try:
+        status = run_guarded(cli)
+    except KeyboardInterrupt:  # one more while the first was being told
+        status = INTERRUPTED
+    leave(status)

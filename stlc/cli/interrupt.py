@@ -46,6 +46,8 @@ def interruptible() -> Iterator[Callable[[], bool]]:
 
 def leave(status: int) -> None:
     """End the process; at once, with its children, when a solver was left behind in its thread."""
+    for number in (signal.SIGINT, signal.SIGTERM):  # the status stands: it is what was told
+        signal.signal(number, signal.SIG_IGN)
     supervise = sys.modules.get("stlc.solve.supervise")  # not imported: nothing was solved
     if supervise is None or not supervise.left_behind():
         sys.exit(status)
