@@ -148,7 +148,9 @@ SCALING = Suite(
     ),
 )  # fmt: skip
 
-_ABLATED = ("either_or_T20_d5", "narrow_passage_T25", "door_puzzle_N1_T20", "targets_2", "ber_c5")
+_ABLATED = (
+    "narrow_passage_T25", "stepping_stones_15_T15_s1", "door_puzzle_N1_T20", "targets_2", "ber_c5",
+)  # fmt: skip
 
 ABLATION = Suite(
     "ablation",

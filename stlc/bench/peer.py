@@ -16,7 +16,7 @@ from stlc import backends
 from stlc.backends.base import Progress, Solution, Status
 from stlc.bench.job import Job, Point, Update
 from stlc.bench.machine import cpu_seconds
-from stlc.bench.mission_run import no_point, relaxation, sizes, solve_options
+from stlc.bench.mission_run import load_solvers, no_point, relaxation, sizes, solve_options
 from stlc.bench.worker import Tell
 from stlc.errors import SolverError, StlcError, UsageError
 from stlc.milp.model import Block, Model, Origin
@@ -44,6 +44,7 @@ def _run(job: Job, tell: Tell) -> None:
             tell(Update({"first_plan": firsts[0]}))
 
     firsts: list[float] = []
+    load_solvers(job.config.backend)
     started, cpu = time.perf_counter(), cpu_seconds()
     solution = backends.get(job.config.backend).solve(model, solve_options(job, report))
     times = {"solver_seconds": time.perf_counter() - started, "cpu_seconds": cpu_seconds() - cpu}
