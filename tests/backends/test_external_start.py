@@ -1,0 +1,33 @@
+"""CBC by its command line takes a start: it says so, and never ends with less."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from support.outside import cbc_devel
+
+from stlc.backends import get
+from stlc.backends.base import SolveOptions
+from stlc.backends.command import run
+from stlc.backends.conformance import knapsack
+from stlc.backends.external import _write, external
+from stlc.backends.pulp_cbc import bundled_cbc
+from stlc.backends.templates import TEMPLATES, Files
+from stlc.solve.certify import certify
+
+HARD = knapsack(200, 30)
+
+
+@pytest.mark.parametrize("binary", [bundled_cbc(), cbc_devel()], ids=["2.10", "devel"])
+def test_cbc_starts_from_the_point(binary: str, tmp_path: Path) -> None:
+    start = get("highs").solve(HARD, SolveOptions(time_limit=1.0)).x
+    assert start is not None
+    options = SolveOptions(time_limit=2.0, start=start)
+    files = Files.inside(tmp_path)
+    _write(HARD, files, options)
+    log = run([binary, *TEMPLATES["cbc"].arguments(files, options, ())], options, str(tmp_path))
+    assert "MIPStart provided solution with cost" in log
+    found = certify(HARD, external("cbc", binary).solve(HARD, options), options=options)
+    assert found.objective is not None
+    assert found.objective <= HARD.objective(start) + 1e-6
