@@ -64,7 +64,8 @@ class Compiled:
     """The model, and what is needed to read a point of it.
 
     `robustness[name]` is the column of a robustness objective and its static bounds; name None is
-    the whole mission's. `warnings` are of numbers that solvers may trip over.
+    the whole mission's. `warnings` are of numbers that solvers may trip over. `link` is the link
+    encoding that was asked for.
     """
 
     model: Model
@@ -78,6 +79,7 @@ class Compiled:
     encoded: tuple[Encoded, ...] = ()
     pairs: tuple[PairColumns, ...] = ()
     warnings: tuple[Diagnostic, ...] = ()
+    link: str = "auto"
 
     def decode(self, x: Floats) -> Trajectories:
         """Trajectories of a point x (n,)."""
@@ -114,7 +116,7 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     named = {f"require {r.name}": r for r in program.requirements}
     return Compiled(
         model, mission, ctx.states, ctx.inputs, ctx.ranges, robustness, stats, tables.channels,
-        encoded, made_pairs(ctx), leaky_big_ms(model, named),
+        encoded, made_pairs(ctx), leaky_big_ms(model, named), options.link,
     )  # fmt: skip
 
 

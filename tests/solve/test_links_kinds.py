@@ -27,6 +27,7 @@ SEEDS = range(5) if FULL else (1,)
 QUICK = (
     "quadtree station", "uneven", "lone third", "mixed signs", "two windows", "normalised", "etx",
     "one of each", "mass", "turn rate", "stay", "together", "nested", "moving", "heavy tails",
+    "only talk", "only hush", "talk to a station",
 )  # fmt: skip
 ASKED = [name for name in KINDS if FULL or name in QUICK or not KINDS[name].known]
 SOLVERS = ("mip", "pulp", "cvxpy", "scipy", "scip", "gurobi", "external-cbc", "external-glpsol")

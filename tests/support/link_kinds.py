@@ -171,6 +171,19 @@ KINDS: dict[str, Kind] = {
         channels=_model("bound centre"),
         more="require: eventually[2, 4] not rssi(a0, a1) >= -50 dBm",
     ),
+    "only talk": Kind(
+        channels=_model(""), more="require: always[2, 4] rssi(a0, a1) >= -57 dBm", cost="effort"
+    ),
+    "only hush": Kind(
+        channels=_model("bound centre"),
+        more="require: always[2, 4] not rssi(a0, a1) >= -50 dBm", cost="effort(a0)",
+    ),
+    "talk to a station": Kind(
+        channels=_model(""),
+        more=_STATION + "require: always[2, 3] rssi(a0, base) >= -57 dBm\n"
+        "require: always[3, 4] rssi(a1, a0) >= -60 dBm",
+        cost="0.1 * effort + 0.01 * link_cost(radio, (a0, a1))",
+    ),
     "dear link": Kind(more="require: always[2, 4] link_cost(radio, (a0, a1)) <= 3"),
 }  # fmt: skip
 

@@ -3,22 +3,24 @@
 Agents must fall apart into one chain of integrators along each axis (`problem.Axis`), and the
 objective into effort and link costs on one partition. Requirements are read where they bound the
 position of one agent at one step: alternatives that keep out of an obstacle, and one exclusive
-choice over time for each agent. All others are left to the MILP.
+choice over time for each agent, and where they ask for a link at a step: cells without it are too
+dear for any plan. All others are left to the MILP.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from stlc.ir.nodes import And, Linear, Node, Or, Role
+from stlc.ir.nodes import And, Linear, Link, Node, Not, Or, Role
 from stlc.milp.compile import Compiled
 from stlc.milp.context import Ranges
 from stlc.mission import Agent, Channel, Dynamics, ObjectiveTerm, TermKind
 from stlc.radio.partition import Partition
 from stlc.scales import static_range, steps_of
-from stlc.solve.links.problem import Apart, Axis, Body, Floats, Ints, Place, Problem
+from stlc.solve.links.problem import Apart, Axis, Body, Bools, Floats, Ints, Place, Problem
 
 _ANY = np.array([[-np.inf, np.inf], [-np.inf, np.inf]])
 
@@ -32,16 +34,19 @@ def recognise(compiled: Compiled) -> Problem | None:
         return None
     if any(t.weight < 0 for t in efforts) or mission.horizon < 2:
         return None
-    names = [n for n in mission.agents if any(n in p for t in links for p in t.pairs)]
-    main = next((t for t in links for p in t.pairs if all(n in mission.agents for n in p)), None)
-    if main is None or main.channel is None:
+    asked = tuple(_asked_links(compiled))
+    uses = [(t.channel, p) for t in links for p in t.pairs]
+    uses = uses or [(a.channel, a.pair) for a in asked]
+    names = [n for n in mission.agents if any(n in p for _, p in uses)]
+    main = next((c for c, p in uses if all(n in mission.agents for n in p)), None)
+    if main is None:
         return None
-    channel = mission.channels[main.channel]
+    channel = mission.channels[main]
     bodies = [_body(compiled, mission.agents[n], efforts) for n in names]
     found = [b for b in bodies if b is not None]
     if len(found) < len(bodies) or not _inside(compiled, names, channel.partition):
         return None
-    return _with_costs(compiled, found, links, channel)
+    return _with_costs(compiled, found, links, asked, channel)
 
 
 def _inside(compiled: Compiled, names: Sequence[str], partition: Partition) -> bool:
@@ -57,46 +62,105 @@ def _inside(compiled: Compiled, names: Sequence[str], partition: Partition) -> b
 
 
 def _with_costs(
-    compiled: Compiled, bodies: list[Body], links: list[ObjectiveTerm], channel: Channel
+    compiled: Compiled,
+    bodies: list[Body],
+    links: list[ObjectiveTerm],
+    asked: Sequence[_Asked],
+    channel: Channel,
 ) -> Problem:
     mission, partition = compiled.mission, channel.partition
     fine, owner = partition.common_grid()
     assert fine.edges is not None
-    index = {b.name: i for i, b in enumerate(bodies)}
-    steps, rest = mission.horizon, 0.0
-    pairs: dict[tuple[int, int], list[Floats | None]] = {}
-    alone: list[list[Floats | None]] = [[None] * (steps + 1) for _ in bodies]
+    costs, rest = _Costs([b.name for b in bodies], owner, mission.horizon), 0.0
     for term in links:
         assert term.channel is not None
-        other = mission.channels[term.channel]
+        other, steps = mission.channels[term.channel], steps_of(mission, term)[0]
         weight = term.weight / static_range(mission, term, compiled.channels)
         for pair in term.pairs:
             table = weight * compiled.channels.cost(other.name, pair)
-            ends = [index[n] for n in pair if n in index]
             same = np.array_equal(other.partition.boxes, partition.boxes)
-            if not ends or not same:
-                rest += float(table.min()) * len(steps_of(mission, term)[0])
-                continue
-            table = _on_fine(table, owner)
-            if len(ends) == 2 and ends[0] > ends[1]:
-                ends, table = ends[::-1], table.T
-            into = (
-                alone[ends[0]]
-                if len(ends) == 1
-                else pairs.setdefault((ends[0], ends[1]), [None] * (steps + 1))
-            )
-            for t in steps_of(mission, term)[0]:
-                known = into[t]
-                into[t] = table if known is None else known + table
-    for i, own in enumerate(alone):
-        if not any(i in pair for pair in pairs):
+            if not same or not costs.add(pair, table, steps):
+                rest += float(table.min()) * len(steps)
+    for i, own in enumerate(costs.alone):
+        if not any(i in pair for pair in costs.pairs):
             rest += sum(float(cost.min()) for cost in own if cost is not None)
+    dear = _dear(compiled)
+    for link in asked:
+        other, at = mission.channels[link.channel], range(link.step, link.step + 1)
+        if np.array_equal(other.partition.boxes, partition.boxes):
+            costs.add(link.pair, np.where(link.allowed, 0.0, dear), at)
     key = np.ascontiguousarray(partition.boxes, dtype=np.float64).tobytes()
     return Problem(
-        steps, fine.edges, tuple(bodies), {k: tuple(v) for k, v in pairs.items()},
-        tuple(tuple(a) for a in alone), rest, owner.astype(np.int64),
-        key, tuple(_apart(compiled, bodies)),
+        mission.horizon, fine.edges, tuple(bodies),
+        {k: tuple(v) for k, v in costs.pairs.items()}, tuple(tuple(a) for a in costs.alone), rest,
+        owner.astype(np.int64), key, tuple(_apart(compiled, bodies)),
     )  # fmt: skip
+
+
+def _dear(compiled: Compiled) -> float:
+    """More than the objectives of any two plans differ by."""
+    model = compiled.model
+    used = np.flatnonzero(model.c)
+    ends = np.abs(np.stack([model.col_lower[used], model.col_upper[used]])).max(0)
+    most = 1.0 + 2.0 * float(np.abs(model.c[used]) @ ends)
+    return min(most, 1e9)
+
+
+class _Costs:
+    """Link costs by pair, or agent alone, and step, on the common grid."""
+
+    def __init__(self, names: Sequence[str], owner: Ints, horizon: int) -> None:
+        self.index = {name: i for i, name in enumerate(names)}
+        self.owner, self.horizon = owner, horizon
+        self.pairs: dict[tuple[int, int], list[Floats | None]] = {}
+        self.alone: list[list[Floats | None]] = [[None] * (horizon + 1) for _ in names]
+
+    def add(self, pair: tuple[str, str], table: Floats, steps: range) -> bool:
+        """Count a table over the partition's cells at some steps; False where no end is known."""
+        ends = [self.index[n] for n in pair if n in self.index]
+        if not ends or len(ends) < table.ndim:
+            return False
+        table = _on_fine(table, self.owner)
+        if len(ends) == 2 and ends[0] > ends[1]:
+            ends, table = ends[::-1], table.T
+        into = self.alone[ends[0]]
+        if len(ends) == 2:
+            into = self.pairs.setdefault((ends[0], ends[1]), [None] * (self.horizon + 1))
+        for t in steps:
+            known = into[t]
+            into[t] = table if known is None else known + table
+        return True
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Asked:
+    """A link that must hold at a step: cells (pairs) that are allowed, one axis a moving end."""
+
+    channel: str
+    pair: tuple[str, str]
+    step: int
+    allowed: Bools
+
+
+def _asked_links(compiled: Compiled) -> Iterator[_Asked]:
+    """Link predicates that are required as they stand.
+
+    At a border their cell is that of the costs only if both use the same columns, so they are
+    left out for encodings of the costs that bring their own.
+    """
+    if compiled.link not in ("auto", "unary", "lifted"):
+        return
+    for one in compiled.encoded:
+        parts = one.formula.args if isinstance(one.formula, And) else (one.formula,)
+        for node in () if one.level.goals else parts:
+            link = node.arg if isinstance(node, Not) else node
+            if not isinstance(link, Link):
+                continue
+            found = compiled.channels.thresholds(link)
+            robustness = -found.high if isinstance(node, Not) else found.low
+            allowed = robustness >= one.level.margin - 1e-9
+            if link.shift >= 1 and allowed.any():
+                yield _Asked(link.channel, (link.sender, link.receiver), link.shift, allowed)
 
 
 def _on_fine(table: Floats, owner: Ints) -> Floats:
