@@ -104,6 +104,8 @@ def near_path(path: FloatArray, data: Path) -> None:
             f"    step {step:2d}  forecast {mu:6.1f} +- {spread:4.1f} dBm (90 %)  "
             f"measured {near.mean():6.1f} dBm, mean of {len(near)}"
         )
+    if not misses:
+        return
     error = np.array(misses)
     print(
         f"    over {len(error)} of {len(path)} steps: measured mean off the forecast by "
