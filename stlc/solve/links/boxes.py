@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,7 @@ class AxisGrid:
 
     host (n, 2): the part of the cell that a thin box lies at the end of, else the box itself.
     room (n, 4): the part of the box that can be reached, in which steps begin and end.
+    slope (n, 2): of the potential on p and w (see `joint`).
     """
 
     box: Floats
@@ -26,12 +27,14 @@ class AxisGrid:
     thin: Bools
     host: Floats
     room: Floats
+    slope: Floats
 
     def take(self, kept: Ints) -> AxisGrid:
         """Some of the boxes."""
         return AxisGrid(
-            self.box[kept], self.cell[kept], self.thin[kept], self.host[kept], self.room[kept]
-        )
+            self.box[kept], self.cell[kept], self.thin[kept], self.host[kept], self.room[kept],
+            self.slope[kept],
+        )  # fmt: skip
 
 
 def axis_grid(edges: Floats, faces: Sequence[float], rates: Floats) -> AxisGrid:
@@ -55,7 +58,9 @@ def axis_grid(edges: Floats, faces: Sequence[float], rates: Floats) -> AxisGrid:
     rate = np.stack([np.tile(rates[:-1], len(span)), np.tile(rates[1:], len(span))], 1)
     box = np.hstack([np.repeat(span, bins, axis=0), rate])
     narrow = np.repeat(span[:, 1] - span[:, 0] <= 2 * TOUCH, bins)
-    return AxisGrid(box, np.repeat(cell, bins), narrow, np.repeat(host, bins, axis=0), box)
+    return AxisGrid(
+        box, np.repeat(cell, bins), narrow, np.repeat(host, bins, axis=0), box, _flat(len(box))
+    )
 
 
 def _borders(edges: Floats, faces: Sequence[float]) -> list[tuple[float, float, int]]:
@@ -79,7 +84,11 @@ def _host(parts: Floats, ends: Floats) -> Floats:
 def point_grid(p: float, w: float) -> AxisGrid:
     """One state. Its cell is never asked for."""
     box = np.array([[p, p, w, w]])
-    return AxisGrid(box, np.zeros(1, np.int64), np.zeros(1, bool), box[:, :2], box)
+    return AxisGrid(box, np.zeros(1, np.int64), np.zeros(1, bool), box[:, :2], box, _flat(1))
+
+
+def _flat(count: int) -> Floats:
+    return np.zeros((count, 2))
 
 
 def feasible_pairs(src: Floats, dst: Floats, axis: Axis) -> tuple[Ints, Ints]:
@@ -113,41 +122,56 @@ class Edges:
 def edge_min(edges: Edges, a0: Floats, a1: Floats) -> Floats:
     """(n,): least dear |w'| + turn |w' - w| + a1.(p', w') - a0.(p, w) over admissible steps.
 
-    a0, a1 (n, 2) are the slopes of the potentials at both ends. For fixed (w, w') the best p is
-    an end of an interval; what remains is convex and piecewise linear in (w, w'), so its minimum
-    lies on a vertex of the arrangement of border and kink lines. Borders are relaxed by EPS; inf
+    a0, a1 (n, 2) are the slopes of the potentials at both ends. Borders are relaxed by EPS; inf
     where no step is admissible.
     """
-    e = edges
+    return cheapest(edges, a0, a1)[0]
+
+
+def cheapest(edges: Edges, a0: Floats, a1: Floats) -> tuple[Floats, Floats]:
+    """`edge_min`, and (n, 3) where it is: p, w, w'.
+
+    For fixed (w, w') the best p is an end of an interval; what remains is convex and piecewise
+    linear in (w, w'), so its minimum lies on a vertex of the arrangement of border and kink lines.
+    """
+    e, tol = edges, 4 * EPS
     v0, v1 = e.src[:, 2] - EPS, e.src[:, 3] + EPS
     w0, w1 = e.dst[:, 2] - EPS, e.dst[:, 3] + EPS
     s0, s1 = e.dst[:, 0] - e.src[:, 1] - EPS, e.dst[:, 1] - e.src[:, 0] + EPS
     slope = a1[:, 0] - a0[:, 0]
     rising = slope >= 0
+    best, at = np.full(len(slope), np.inf), np.zeros((3, len(slope)))
+    for v, w in _vertices(e, (v0, v1, w0, w1, s0, s1), rising):
+        s = (1 - e.blend) * v + e.blend * w
+        fine = (v >= v0 - tol) & (v <= v1 + tol) & (w >= w0 - tol) & (w <= w1 + tol)
+        fine &= (np.abs(w - v) <= e.jump + tol) & (s >= s0 - tol) & (s <= s1 + tol)
+        p = np.where(
+            rising, np.maximum(e.src[:, 0], e.dst[:, 0] - s),
+            np.minimum(e.src[:, 1], e.dst[:, 1] - s),
+        )  # fmt: skip
+        value = e.dear * np.abs(w) + e.turn * np.abs(w - v) + slope * p
+        value += a1[:, 0] * s + a1[:, 1] * w - a0[:, 1] * v
+        better = fine & (value < best)
+        np.copyto(best, value, where=better)
+        for row, found in zip(at, (p, v, w), strict=True):
+            np.copyto(row, found, where=better)
+    return best, at.T
+
+
+def _vertices(e: Edges, ends: tuple[Floats, ...], rising: Bools) -> Iterator[tuple[Floats, Floats]]:
+    """(w, w') where two lines cross; nan or inf where they are parallel."""
+    v0, v1, w0, w1, s0, s1 = ends
     kink = np.where(rising, e.dst[:, 0] - e.src[:, 0], e.dst[:, 1] - e.src[:, 1])
-    one, zero = np.ones(len(slope)), np.zeros(len(slope))
+    one, zero = np.ones(len(kink)), np.zeros(len(kink))
     rest, blend = 1 - e.blend, e.blend
     lines = [
         (one, zero, v0), (one, zero, v1), (zero, one, w0), (zero, one, w1),
         (-one, one, -e.jump), (-one, one, e.jump), (rest, blend, s0), (rest, blend, s1),
         (zero, one, zero), (-one, one, zero), (rest, blend, kink),
     ]  # fmt: skip
-    best, tol = np.full(len(slope), np.inf), 4 * EPS
     for m, (c0, c1, d0) in enumerate(lines):
         for e0, e1, d1 in lines[:m]:
             det = c0 * e1 - c1 * e0
-            if not det.any():
-                continue
-            with np.errstate(divide="ignore", invalid="ignore"):
-                v, w = (d0 * e1 - c1 * d1) / det, (c0 * d1 - e0 * d0) / det
-            s = rest * v + blend * w
-            fine = (v >= v0 - tol) & (v <= v1 + tol) & (w >= w0 - tol) & (w <= w1 + tol)
-            fine &= (np.abs(w - v) <= e.jump + tol) & (s >= s0 - tol) & (s <= s1 + tol)
-            p = np.where(
-                rising, np.maximum(e.src[:, 0], e.dst[:, 0] - s),
-                np.minimum(e.src[:, 1], e.dst[:, 1] - s),
-            )  # fmt: skip
-            value = e.dear * np.abs(w) + e.turn * np.abs(w - v) + slope * p
-            value += a1[:, 0] * s + a1[:, 1] * w - a0[:, 1] * v
-            best = np.where(fine & (value < best), value, best)
-    return best
+            if det.any():
+                with np.errstate(divide="ignore", invalid="ignore"):
+                    yield (d0 * e1 - c1 * d1) / det, (c0 * d1 - e0 * d0) / det

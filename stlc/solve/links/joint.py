@@ -63,18 +63,20 @@ class Joint:
                     (a.y, b.y, self._steps[n][t].along_y),
                 )
                 for d, (src, dst, (i, j)) in enumerate(ways):
-                    key = np.empty((len(i), 11))
+                    key = np.empty((len(i), 15))
                     key[:, :4], key[:, 4:8] = src.room[i], dst.room[j]
                     key[:, [0, 1, 4, 5]] -= src.room[i, :1]
-                    key[:, 8:] = n, t, d
+                    key[:, 8:10], key[:, 10:12] = src.slope[i], dst.slope[j]
+                    key[:, 12:] = n, t, d
                     rows.append(key)
                     shifts.append(src.room[i, 0])
                     self._where.append((n, t, d))
         self._cuts = np.cumsum([len(r) for r in rows])[:-1]
         self._shift = np.concatenate(shifts)
         self._keys, self._inverse = _unique_rows(np.concatenate(rows))
-        self._ntd = self._keys[:, 8:].astype(int)
+        self._ntd = self._keys[:, 12:].astype(int)
         self._edges = self._costed()
+        self._weigh()
 
     def _costed(self) -> Edges:
         n, t, d = self._ntd.T
@@ -88,10 +90,8 @@ class Joint:
             turn[n, d, t],
         )  # fmt: skip
 
-    def weigh(self, pi: Floats) -> None:
-        """Set the potentials pi (2 agents, T+1, 2 axes, 2: slopes on p and w)."""
-        n, t, d = self._ntd.T
-        a0, a1 = pi[n, t, d], pi[n, t + 1, d]
+    def _weigh(self) -> None:
+        a0, a1 = self._keys[:, 8:10], self._keys[:, 10:12]
         base = edge_min(self._edges, a0, a1) - SAFETY
         weights = base[self._inverse] + (a1 - a0)[self._inverse, 0] * self._shift
         self._weights: list[list[list[Singles]]] = [

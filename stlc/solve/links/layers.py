@@ -76,6 +76,7 @@ class Maker:
             parent = np.zeros((2, len(ix)), np.int64)
         else:
             ix, iy, parent = _children(x, y, old)
+            x, y = _inheriting(x, old.x), _inheriting(y, old.y)
         cell = x.cell[ix] * self.problem.shape[1] + y.cell[iy]
         keep = self.problem.owner[cell] >= 0
         keep &= admissible(self.body, t, x, y, ix, iy)
@@ -208,6 +209,12 @@ def _children(x: AxisGrid, y: AxisGrid, old: Layer) -> tuple[Ints, Ints, Ints]:
     return ix, iy, full[:, ix, iy]
 
 
+def _inheriting(fine: AxisGrid, coarse: AxisGrid) -> AxisGrid:
+    """Fine boxes with the slopes of those that hold them."""
+    slope = coarse.slope[_parents(fine, coarse)]
+    return replace(fine, slope=slope)
+
+
 def _parents(fine: AxisGrid, coarse: AxisGrid) -> Ints:
     """For each fine box the coarse box that holds it, or -1 where that one is gone."""
     a, b = fine.box[:, None, :], coarse.box[None, :, :]
@@ -226,6 +233,18 @@ def restrict(layer: Layer, keep: Bools) -> Layer:
         layer.x.take(used_x), layer.y.take(used_y), ix, iy, layer.bit[index],
         layer.cell[index], index,
     )  # fmt: skip
+
+
+def sloped(layers: Sequence[Layer], pi: Floats) -> list[Layer]:
+    """Layers with potentials pi (T+1, 2 axes, 2: slopes on p and w), the same in all boxes."""
+    return [
+        replace(
+            layer,
+            x=replace(layer.x, slope=np.broadcast_to(pi[t, 0], (len(layer.x.box), 2))),
+            y=replace(layer.y, slope=np.broadcast_to(pi[t, 1], (len(layer.y.box), 2))),
+        )
+        for t, layer in enumerate(layers)
+    ]
 
 
 def rate_borders(axis: Axis, count: int) -> Floats:

@@ -73,7 +73,7 @@ def both_ways(half: Half) -> tuple[Sweep, Sweep]:
     )
 
 
-def _spread(first: Ints, count: Ints, who: Ints) -> tuple[Ints, Ints]:
+def spread(first: Ints, count: Ints, who: Ints) -> tuple[Ints, Ints]:
     """For each member of `who` all entries of its run: (position in who, entry)."""
     runs = count[who]
     repeated = np.repeat(np.arange(len(who)), runs)
@@ -95,11 +95,11 @@ def make_step(body: Body, t: int, a: Layer, b: Layer) -> Step:
     along_x = feasible_pairs(a.x.room, b.x.room, body.axes[0])
     along_y = feasible_pairs(a.y.room, b.y.room, body.axes[1])
     count = np.bincount(along_x[0], minlength=len(a.x.box))
-    from_a, edge_a = _spread(np.cumsum(count) - count, count, a.ix)
+    from_a, edge_a = spread(np.cumsum(count) - count, count, a.ix)
     key_a = (along_x[1][edge_a] * width + a.iy[from_a]) * 2 + a.bit[from_a]
     order = np.argsort(along_y[1], kind="stable")
     count = np.bincount(along_y[1], minlength=len(b.y.box))
-    to_b, edge_b = _spread(np.cumsum(count) - count, count, b.iy)
+    to_b, edge_b = spread(np.cumsum(count) - count, count, b.iy)
     edge_b = order[edge_b]
     key_b = (b.ix[to_b] * width + along_y[0][edge_b]) * 2 + b.bit[to_b]
     turns = ((b.bit == 1) & _taken(body, t + 1, b))[to_b]

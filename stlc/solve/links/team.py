@@ -86,7 +86,6 @@ class Team:
             bodies = (part.bodies[0], part.bodies[1])
             cost = [stage_cost(part, t) for t in range(1, part.steps + 1)]
             joint = Joint(bodies, (rows[i], rows[j]), cost, None)
-            joint.weigh(np.zeros((2, part.steps + 1, 2, 2)))
             total += joint.forward()
         self.session.raise_bound(total - _TOUCH)
 
