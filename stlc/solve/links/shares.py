@@ -12,7 +12,7 @@ from stlc.solve.links.problem import Axis, Body, Floats, Problem
 def pair_share(problem: Problem, pair: tuple[int, int]) -> Problem:
     """The pair alone, with its part of both agents' own costs."""
     degree = [sum(i in p for p in problem.pairs) for i in pair]
-    bodies = tuple(_lighter(problem.bodies[i], d) for i, d in zip(pair, degree, strict=True))
+    bodies = tuple(lighter(problem.bodies[i], d) for i, d in zip(pair, degree, strict=True))
     alone = tuple(
         tuple(None if c is None else c / d for c in problem.alone[i])
         for i, d in zip(pair, degree, strict=True)
@@ -21,7 +21,9 @@ def pair_share(problem: Problem, pair: tuple[int, int]) -> Problem:
     return replace(problem, bodies=bodies, alone=alone, pairs=pairs, rest=0.0, apart=())
 
 
-def _lighter(body: Body, degree: int) -> Body:
+def lighter(body: Body, degree: int) -> Body:
+    """With an equal part of its effort for each of `degree` pairs."""
+
     def axis(a: Axis) -> Axis:
         return replace(a, dear=a.dear / degree, turn=a.turn / degree)
 
