@@ -52,7 +52,7 @@ class Frame:
         self.compiled, self.problem, self.model = compiled, problem, compiled.model
         self._csc = compiled.model.A.tocsc()
         self.blocks = self._pair_blocks()
-        self._groups = groups_of(compiled)
+        self._groups = groups_of(compiled, self._csc)
         starts = {b.name: b.start for b in self.model.row_blocks}
         self.dynamics = [starts[f"dynamics_{b.name}"] for b in problem.bodies]
 

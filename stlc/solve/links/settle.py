@@ -32,8 +32,8 @@ class Group:
     own: Floats
 
 
-def groups_of(compiled: Compiled) -> tuple[Group, ...]:
-    """Exclusive choices without cost."""
+def groups_of(compiled: Compiled, csc: Any) -> tuple[Group, ...]:
+    """Exclusive choices without cost; csc: the model's matrix by columns."""
     model = compiled.model
     columns = [
         np.array([column for _, column in pairs], np.int64)
@@ -41,7 +41,6 @@ def groups_of(compiled: Compiled) -> tuple[Group, ...]:
         for node, pairs in one.choices
         if len(pairs) == len(node.args)
     ]
-    csc = model.A.tocsc()
     return tuple(_group(model, csc, c) for c in columns if not model.c[c].any())
 
 

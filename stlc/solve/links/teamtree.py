@@ -28,7 +28,7 @@ WIDE_PAIRS = 900  # and when there is
 DIVE_PAIRS = 1000
 _COARSE = 144  # cells
 _BINS = 2  # of the rate, at nodes without a choice
-_ROOT_ROUNDS, _ROUNDS = 30, 8
+_COARSE_ROUNDS, _ROOT_ROUNDS, _ROUNDS = 12, 30, 8
 _MOMENTUM = 0.7
 _FIRST = 0.02  # of the bound: the first step of the potentials
 _LATER = 0.05  # of the gap
@@ -80,6 +80,8 @@ def climb(agreement: Agreement, rounds: int, session: Session, cutoff: float, wh
     forward sweep. `whole`: what is found is a bound on all plans."""
     last, until = agreement.prepare(), session.seconds + _CLIMB_SECONDS
     gap = _LATER * (cutoff - last) if np.isfinite(cutoff) else np.inf
+    if whole:
+        session.raise_bound(min(last, session.cutoff))
     step = min(gap, _FIRST * abs(last)) / max(1, len(agreement.pairs))
     direction: dict[Pair, Floats] = {}
     for k in range(rounds):
@@ -135,7 +137,7 @@ class Tree:
         node = Node(-np.inf, taken, rows, no_prices(list(coarse.pairs), rows), None)
         if coarse is self.problem or node.empty:
             return node
-        self._tighten(node, _ROOT_ROUNDS, coarse, np.inf)
+        self._tighten(node, _COARSE_ROUNDS, coarse, np.inf)
         fine = self._layers(self.problem, taken, 1)
         blocks = _blocks(self.problem, coarse)
         prices = _handed_down(node.prices, node.rows, fine, blocks)
