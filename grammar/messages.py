@@ -26,7 +26,8 @@ class Message:
 MESSAGES: Final[tuple[Message, ...]] = (
     # --- requirements and formulas ---
     Message(
-        ("require reach always x > 0", "require reach not x > 0", "require reach x > 0",
+        ("require reach always x > 0", "require reach eventually[0, 5] x > 0",
+         "require reach next x > 0", "require reach not x > 0", "require reach x > 0",
          "require reach forall a in agents: a in g", "require reach 3"),
         "`:` is missing after the requirement's name",
         "expected `:` before this",
@@ -54,7 +55,7 @@ MESSAGES: Final[tuple[Message, ...]] = (
     ),
     Message(
         ("require a: and x > 1", "let f = or x > 1", "require a: implies x > 1",
-         "require a: until x > 1", "require a: in goal"),
+         "require a: until x > 1", "require a: in goal", "require a: always[0, 5] in(r, goal)"),
         "`{found}` without a left side",
         "expected a formula before this",
         "`{found}` stands between two operands",
@@ -349,7 +350,7 @@ MESSAGES: Final[tuple[Message, ...]] = (
          "agent r : c { a 1; 2 }"),
         "a property starts with its name",
         "expected the name of a property",
-        "write `name value`, one on each line or separated by `;`",
+        "write `name value`, one on each line or separated by `;`, and pairs as `(1, 2)`",
         any_token=True,
     ),
     Message(

@@ -5,7 +5,7 @@ All numbers are in SI units, angles in radians, strengths in dBm or dB, times in
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence, Sized
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path
@@ -312,8 +312,9 @@ class Mission:
     def summary(self) -> str:
         """One line: agents, requirements, horizon."""
 
-        def count(things: Sized, word: str) -> str:
-            return f"{len(things)} {word}{'' if len(things) == 1 else 's'}"
+        def count(number: int, word: str) -> str:
+            return f"{number} {word}{'' if number == 1 else 's'}"
 
-        parts = [count(self.agents, "agent"), count(self.requirements, "requirement")]
-        return f"{', '.join(parts)}, {self.horizon} steps of {self.step:g} s"
+        agents, requirements = len(self.agents), len(self.requirements)
+        parts = [count(agents, "agent"), count(requirements, "requirement")]
+        return f"{', '.join(parts)}, {count(self.horizon, 'step')} of {self.step:g} s"

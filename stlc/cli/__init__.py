@@ -9,23 +9,23 @@ import click
 
 from stlc import __version__
 
-# command -> module of stlc.cli that defines it; the listing order of `stlc --help`
+# command -> module of stlc.cli that defines it, and its line in `stlc --help`, in that order
 _COMMANDS = {
-    "check": "check",
-    "fmt": "check",
-    "compile": "compile",
-    "solve": "solve",
-    "verify": "plans",
-    "plot": "plans",
-    "read-solution": "plans",
-    "explain": "explain",
-    "race": "race",
-    "fit": "fit",
-    "import": "monitor",
-    "monitor": "monitor",
-    "bench": "bench",
-    "backends": "listing",
-    "encodings": "listing",
+    "check": ("check", "Find every mistake of a mission file."),
+    "fmt": ("check", "Lay out mission files in the one style."),
+    "compile": ("compile", "Write the mission as LP or MPS for any solver."),
+    "solve": ("solve", "Plan a mission; the plan is certified and verified."),
+    "verify": ("plans", "Judge a plan against its mission."),
+    "plot": ("plans", "Draw a plan."),
+    "read-solution": ("plans", "Turn another solver's answer into a plan."),
+    "explain": ("explain", "Name the requirements that conflict."),
+    "race": ("race", "Solve with several solvers and encodings at once."),
+    "fit": ("fit", "Fit a channel to measurements."),
+    "import": ("monitor", "Translate STL files of Breach, RTAMT or FalCAuN."),
+    "monitor": ("monitor", "Judge recorded signals."),
+    "bench": ("bench", "Benchmark encodings and backends."),
+    "backends": ("listing", "List the solvers and what they can do."),
+    "encodings": ("listing", "List the encodings of formulas and link tables."),
 }
 
 
@@ -34,13 +34,27 @@ class _LazyGroup(click.Group):
         return list(_COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        module_name = _COMMANDS.get(cmd_name)
-        if module_name is None:
+        if cmd_name not in _COMMANDS:
             return None
-        module = importlib.import_module(f"stlc.cli.{module_name}")
+        module = importlib.import_module(f"stlc.cli.{_COMMANDS[cmd_name][0]}")
         command: Any = getattr(module, cmd_name.replace("-", "_") + "_command")
         assert isinstance(command, click.Command)
         return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        from difflib import get_close_matches
+
+        name = args[0]
+        near = [] if name in _COMMANDS else get_close_matches(name, _COMMANDS, n=1)
+        if not near:
+            return super().resolve_command(ctx, args)
+        raise click.UsageError(f"No such command {name!r}; did you mean {near[0]!r}?", ctx)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, line) for name, (_, line) in _COMMANDS.items()])
 
 
 @click.group(cls=_LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
@@ -52,6 +66,8 @@ def cli() -> None:
     Exit status: 0 good; 1 the file has errors; 2 usage; 3 proven infeasible; 4 no plan within
     the limits; 5 solver missing, failed or refused; 6 the plan violates the mission; 70 our own
     disagreement; 74 an output could not be written; 130 interrupted.
+
+    `stlc COMMAND --help` tells more about a command.
     """
 
 

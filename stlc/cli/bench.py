@@ -57,7 +57,8 @@ def _seconds(ctx: click.Context, param: click.Parameter, value: str) -> dict[str
 @click.argument("suites", nargs=-1, metavar="[SUITE]...")
 @click.option("--encodings", callback=_words, default="", metavar="A,B+C",
               help="Instead of each suite's: auto, literal:milp, stl=log+link=hull")  # fmt: skip
-@click.option("--backends", callback=_words, default="highs", show_default=True, metavar="A,B")
+@click.option("--backends", callback=_words, default="highs", show_default=True, metavar="A,B",
+              help="See `stlc backends`.")  # fmt: skip
 @click.option("--passes", callback=_words, default="all", show_default=True, metavar="A,B",
               help="all, none, no-X, no-X+Y, or 'each': all, then without each one.")  # fmt: skip
 @click.option("--strategies", callback=_words, default="auto", show_default=True, metavar="A,B",
@@ -73,8 +74,10 @@ def _seconds(ctx: click.Context, param: click.Parameter, value: str) -> dict[str
               " [default: 60, quick: 10]")  # fmt: skip
 @click.option("--repeat", type=click.IntRange(min=1), default=1, show_default=True, metavar="N",
               help="Only what was solved the first time is repeated.")  # fmt: skip
-@click.option("--gap", type=click.FloatRange(min=0), default=1e-4, show_default=True)
-@click.option("--threads", type=click.IntRange(min=1), default=1, show_default=True)
+@click.option("--gap", type=click.FloatRange(min=0), default=1e-4, show_default=True,
+              help="Relative distance from the optimum that is good enough.")  # fmt: skip
+@click.option("--threads", type=click.IntRange(min=1), default=1, show_default=True,
+              help="Of the solver.")  # fmt: skip
 @click.option(
     "--memory", type=click.FloatRange(min=0, min_open=True), metavar="GB", help="For each run."
 )
@@ -203,7 +206,8 @@ def _listing(suites: tuple[Suite, ...]) -> str:
 @bench_command.command("report")
 @click.option("--store", type=click.Path(path_type=Path), default=_STORE, show_default=True,
               help="A store, or a CSV that this command wrote.")  # fmt: skip
-@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="FILE.html")
+@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="FILE.html",
+              help="Tables and figures on one page.")  # fmt: skip
 @click.option("--csv", "csv_path", type=click.Path(path_type=Path), metavar="FILE.csv",
               help="Every figure of every run.")  # fmt: skip
 @click.option("--suite", "suites", callback=_words, default="", metavar="A,B", help="Only these.")

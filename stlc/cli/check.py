@@ -15,7 +15,8 @@ _FORMATS = click.Choice(["text", "json", "sarif", "github"])
 
 @click.command("check")
 @mission_options
-@click.option("--format", "style", type=_FORMATS, default="text", show_default=True)
+@click.option("--format", "style", type=_FORMATS, default="text", show_default=True,
+              help="How the mistakes are shown.")  # fmt: skip
 @click.option("--explain", "code", is_flag=True, help="FILE is a code such as E0201: tell more.")
 def check_command(
     file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...], style: Style, code: bool
@@ -51,7 +52,7 @@ def _explanation(code: str) -> str:
     if cls is None:
         near = difflib.get_close_matches(code.upper(), known, n=3)
         hint = f"; near it: {', '.join(near)}" if near else ""
-        raise UsageError(f"there is no diagnostic {code!r}{hint}")
+        raise UsageError(f"there is no diagnostic {code!r}{hint}; codes look like E0201 or W1001")
     parts = [f"{cls.code} ({cls.severity.value})", f"  {_open(cls.title)}"]
     parts += ["", inspect.cleandoc(cls.__doc__ or "")]
     remedy = _open(cls.help)

@@ -16,7 +16,12 @@ if TYPE_CHECKING:
 
 @click.command("compile")
 @mission_options
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="OUT.{lp,mps}[.gz]")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    help="The model, by its ending: .lp, .mps, .lp.gz or .mps.gz.",
+)
 @click.option("--encoding", default="auto", show_default=True, help="See `stlc encodings`.")
 @click.option("--disable", multiple=True, metavar="PASS", help="Leave a pass out (ablation).")
 @click.option(

@@ -38,9 +38,9 @@ class ConflictingClauses(Diagnostic):
 
 @click.command("explain")
 @mission_options
-@click.option("--backend", default="highs", show_default=True)
+@click.option("--backend", default="highs", show_default=True, help="See `stlc backends`.")
 @click.option("--time-limit", type=click.FloatRange(min=0), default=60.0, show_default=True,
-              help="For each of the solves.")  # fmt: skip
+              metavar="S", help="Seconds for each of the solves.")  # fmt: skip
 def explain_command(
     file: Path,
     define: tuple[str, ...],

@@ -33,7 +33,13 @@ def verify_command(
 @click.command("plot")
 @mission_options
 @click.argument("plan", type=click.Path(path_type=Path))
-@click.option("-o", "--output", required=True, type=click.Path(path_type=Path), help="plan.png")
+@click.option(
+    "-o",
+    "--output",
+    required=True,
+    type=click.Path(path_type=Path),
+    help="The picture: .png, .svg or .pdf.",
+)
 def plot_command(
     file: Path, plan: Path, define: tuple[str, ...], allow_path: tuple[Path, ...], output: Path
 ) -> int:
@@ -50,7 +56,7 @@ def plot_command(
 @click.argument("solution", type=click.Path(path_type=Path))
 @click.option("--encoding", default="auto", show_default=True, help="As given to `compile`.")
 @click.option("--disable", multiple=True, metavar="PASS", help="As given to `compile`.")
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="plan.json")
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="The plan (JSON).")
 def read_solution_command(
     file: Path,
     solution: Path,

@@ -32,17 +32,20 @@ if TYPE_CHECKING:
 @click.command("race")
 @mission_options
 @click.option("--with", "entrants", default="highs:auto,scip:auto", show_default=True,
-              metavar="BACKEND:ENCODING,...")  # fmt: skip
+              metavar="BACKEND:ENCODING,...", help="Who races.")  # fmt: skip
 @click.option("--cluster", metavar="ADDRESS", help="Run on a dask.distributed cluster.")
 @click.option("--time-limit", type=click.FloatRange(min=0), metavar="S", help="For each racer.")
 @click.option("--memory", type=click.FloatRange(min=0), metavar="GB", help="For each racer.")
-@click.option("--gap", type=click.FloatRange(min=0), default=1e-4, show_default=True)
-@click.option("--threads", type=click.IntRange(min=1), default=1, show_default=True)
+@click.option("--gap", type=click.FloatRange(min=0), default=1e-4, show_default=True,
+              help="Relative distance from the optimum that is good enough.")  # fmt: skip
+@click.option("--threads", type=click.IntRange(min=1), default=1, show_default=True,
+              help="Of each racer.")  # fmt: skip
 @solver_options
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="plan.json")
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="The plan (JSON), kept up to date.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @click.option("--progress", "style", default="auto", show_default=True,
-              type=click.Choice(["auto", "line", "ndjson", "none"]))  # fmt: skip
+              type=click.Choice(["auto", "line", "ndjson", "none"]),
+              help="`auto`: a line at a terminal, else one JSON object a line.")  # fmt: skip
 def race_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...],
                  **words: Any) -> int:  # fmt: skip
     """Solve FILE with several solvers and encodings at once; the first certified proof wins."""

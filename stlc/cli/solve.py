@@ -37,20 +37,25 @@ _EXPLAIN = 20.0  # s for all solves that look for a conflict
 @click.option("--disable", multiple=True, metavar="PASS", help="Leave a pass out (ablation).")
 @click.option("--strategy", type=click.Choice(["auto", "milp"]), default="auto", show_default=True,
               help="`milp`: one solve of the compiled model, no bounding ahead of it.")  # fmt: skip
-@click.option("--time-limit", type=click.FloatRange(min=0), metavar="S")
-@click.option("--gap", type=click.FloatRange(min=0), default=1e-4, show_default=True)
-@click.option("--threads", type=click.IntRange(min=1))
-@click.option("--seed", type=click.IntRange(min=0))
+@click.option("--time-limit", type=click.FloatRange(min=0), metavar="S",
+              help="Seconds for the solver; the best plan so far stands.")  # fmt: skip
+@click.option("--gap", type=click.FloatRange(min=0), default=1e-4, show_default=True,
+              help="Relative distance from the optimum that is good enough.")  # fmt: skip
+@click.option("--threads", type=click.IntRange(min=1), help="Of the solver; else it decides.")
+@click.option("--seed", type=click.IntRange(min=0), help="Of the solver's random choices.")
 @click.option("--start", type=click.Path(path_type=Path), help="A plan to start from.")
 @click.option("--shift", type=click.IntRange(min=0), default=0, help="Shift the start by steps.")
 @solver_options
 @click.option("--no-explain", is_flag=True, help="Don't look for what conflicts if infeasible.")
 @click.option("--confirm", is_flag=True, help="Have a second solver confirm optimality.")
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="plan.json, kept up to date.")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), help="The plan (JSON), kept up to date."
+)
 @click.option("--csv", "csv_path", type=click.Path(path_type=Path), help="Waypoints as CSV.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @click.option("--progress", "style", default="auto", show_default=True,
-              type=click.Choice(["auto", "line", "ndjson", "none"]))  # fmt: skip
+              type=click.Choice(["auto", "line", "ndjson", "none"]),
+              help="`auto`: a line at a terminal, else one JSON object a line.")  # fmt: skip
 def solve_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...],
                   **words: Any) -> int:  # fmt: skip
     """Plan the mission in FILE; the plan is certified and verified before anybody sees it."""

@@ -26,6 +26,7 @@ PROPERTIES = (
     "integer",
 )  # fmt: skip
 MOST_MEMBERS = 10_000
+_KINDS = ("double_integrator", "single_integrator")
 
 
 def declare(statement: ast.AgentDecl, scope: Scope) -> None:
@@ -121,10 +122,11 @@ def model_of(name: ast.Ident, scope: Scope) -> tuple[Dynamics, list[ast.Property
             raise Reported
         own = [p for p in found.properties if p.key.text in PROPERTIES]
         return scope.models[name.text], own
-    if found is None and name.text in ("double_integrator", "single_integrator"):
+    if found is None and name.text in _KINDS:
         statement = ast.DynamicsDecl(name.span, name, name, ())
         return dynamics(statement, (), scope), []
     known = [n for n, d in scope.declarations.items() if isinstance(d, ast.DynamicsDecl)]
+    known += _KINDS
     hint = suggestion(name.text, known, "declare it: `dynamics cart = double_integrator`")
     fix = suggested_fix(name.span, name.text, known)
     raise Mistake(UnknownName(span=name.span, name=name.text, hint=hint, fix=fix))

@@ -11,7 +11,7 @@ from stlc.sema.report import Mistake, suggested_fix, suggestion
 from stlc.sema.scope import Scope
 from stlc.sema.unit_errors import WrongUnit
 from stlc.sema.units import METRE, Unit, parse_unit
-from stlc.sema.values import Env, Items, Members, Radio, Scalar, Value, describe
+from stlc.sema.values import Env, Items, Members, Place, Radio, Scalar, Value, describe
 from stlc.source import Span
 from stlc.syntax import ast
 
@@ -110,7 +110,10 @@ def point(value: Value, span: Span) -> tuple[Scalar, Scalar]:
         x, y = value.items
         if isinstance(x, Scalar) and isinstance(y, Scalar):
             return _metres(x, span), _metres(y, span)
-    raise Mistake(WrongKind(span=span, expected="an agent or a point", found=describe(value)))
+    hint = "write `a in region` or `a outside region`" if isinstance(value, Place) else ""
+    raise Mistake(
+        WrongKind(span=span, expected="an agent or a point", found=describe(value), hint=hint)
+    )
 
 
 def _metres(scalar: Scalar, span: Span) -> Scalar:

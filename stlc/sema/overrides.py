@@ -24,7 +24,7 @@ def overrides(
     for name, value in params.items():
         if name not in known:
             near = nearest(name, known)
-            hint = f"did you mean `{near}`?" if near else f"params: {', '.join(known) or 'none'}"
+            hint = f"did you mean `{near}`?" if near else _params(known)
             report.add(UnknownOverride(name=name, hint=hint))
             continue
         scalar = parse_value(value)
@@ -49,3 +49,9 @@ def parse_value(value: str | float) -> Scalar | None:
     except UnknownUnitName:
         return None
     return Scalar(float(match[1]) * scaled.scale + scaled.offset, unit=scaled.unit)
+
+
+def _params(known: list[str]) -> str:
+    if known:
+        return f"it has: {', '.join(known)}"
+    return "it has none; a line such as `param v = 2 m/s` declares one"

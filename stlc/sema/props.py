@@ -63,7 +63,8 @@ def bad(item: ast.Property, problem: str, usage: str, span: Span | None = None) 
 def only(item: ast.Property, usage: str) -> ast.Expr:
     """The one argument of a property."""
     if len(item.args) != 1:
-        raise bad(item, f"needs one value, not {len(item.args)}", usage)
+        advice = "is a `;` missing?" if item.args else "it has none"
+        raise bad(item, f"needs one value, not {len(item.args)}: {advice}", usage)
     return item.args[0]
 
 

@@ -18,6 +18,7 @@ from stlc.sema.values import (
     ChannelName,
     Env,
     Items,
+    Members,
     Place,
     Radio,
     Scalar,
@@ -147,7 +148,8 @@ class Scope:
     def unknown(self, name: str, span: Span) -> UnknownName:
         """The diagnostic for a name that isn't declared."""
         known = [*self.declarations, *DOMAINS]
-        hint = suggestion(name, known, "declare it, for example `region .. = box ..`")
+        otherwise = f"declare it, such as `agent {name} : ..` or `region {name} = ..`"
+        hint = suggestion(name, known, otherwise)
         return UnknownName(span=span, name=name, hint=hint, fix=suggested_fix(span, name, known))
 
     def domain(self, name: str) -> Items | None:
@@ -210,5 +212,9 @@ def as_scalar(value: Value, span: Span) -> Scalar:
         return value
     if isinstance(value, Separation):
         return maximum((absolute(value.dx, span), absolute(value.dy, span)), span)
-    hint = "an agent's signals are written `r1.x`, `r1.vx`" if isinstance(value, Radio) else ""
+    hint = ""
+    if isinstance(value, Radio):
+        hint = "an agent's signals are written `r1.x`, `r1.vx`"
+    elif isinstance(value, Members):
+        hint = "take one of them, as in `r1.v[0]`, or `norm(..)`, `norm1(..)`, `norminf(..)` of all"
     raise Mistake(WrongKind(span=span, expected="a number", found=describe(value), hint=hint))

@@ -16,6 +16,7 @@ from stlc.syntax.errors import (
     UnknownStatement,
 )
 from stlc.syntax.friendly import expectation, message_for, opener
+from stlc.syntax.misspelt import misspelt
 from stlc.syntax.past import PAST, past_operator
 from stlc.syntax.split import BRACKETS, statement_words
 from stlc.syntax.tokens import NAME, NUMBER, SYMBOL, Token, split_number
@@ -72,7 +73,11 @@ def explain(trouble: Trouble) -> Explained:
     if _alien_line(trouble):
         return _unknown_statement(trouble)
     mistake = (
-        _past(trouble) or _bad_number(trouble) or _single_equals(trouble) or _by_sample(trouble)
+        _past(trouble)
+        or _bad_number(trouble)
+        or _single_equals(trouble)
+        or misspelt(trouble.source, trouble.tokens, trouble.index)
+        or _by_sample(trouble)
     )
     return Explained(mistake or _plain(trouble))
 

@@ -5,10 +5,13 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import click
 import pytest
 from click.testing import CliRunner, Result
 
+from stlc.cli import cli
 from stlc.cli.check import check_command, fmt_command
+from stlc.mission import Mission
 
 MISSION = """agent r : double_integrator { start (0, 0); control |u| <= 1 }
 require a: always r.x >= 3 dB
@@ -65,3 +68,32 @@ def test_format_check_changes_nothing(mission: Path) -> None:
     assert mission.read_text(encoding="utf-8") == "step 1 s\n"
     again = runner.invoke(fmt_command, ["--check", str(mission)], standalone_mode=False)
     assert again.return_value == 0
+
+
+def test_a_mistyped_command_is_recognised() -> None:
+    result = CliRunner().invoke(cli, ["chekc", "m.stl"])
+    assert result.exit_code == 2
+    assert "did you mean 'check'?" in result.output
+    stranger = CliRunner().invoke(cli, ["xyzzy"])
+    assert stranger.exit_code == 2
+    assert "did you mean" not in stranger.output
+
+
+def test_every_command_has_its_own_line_in_the_help_and_every_option_a_text() -> None:
+    context = click.Context(cli)
+    text = CliRunner().invoke(cli, ["--help"]).output
+    for name in cli.list_commands(context):
+        assert f"\n  {name} " in text
+        command = cli.get_command(context, name)
+        assert command is not None
+        options = [p for p in command.params if isinstance(p, click.Option)]
+        assert all(option.help for option in options), name
+
+
+def test_one_step_is_no_steps() -> None:
+    agent = "agent r : double_integrator { start (0, 0); control |u| <= 1 }\n"
+    summaries = [
+        Mission.from_text(f"horizon {n}\n{agent}require a: always r.x <= 9").summary()
+        for n in (1, 2)
+    ]
+    assert summaries == [f"1 agent, 1 requirement, {n} of 1 s" for n in ("1 step", "2 steps")]

@@ -1,0 +1,106 @@
+"""Words that a person meant otherwise: misspelt operators, unknown units, shapes there are not."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from typing import Final
+
+from stlc.diagnostics import Diagnostic, Fix
+from stlc.source import Source
+from stlc.syntax.errors import BadNumber, SyntaxMistake
+from stlc.syntax.neighbours import BINARY, SHAPED, UNARY, word_terminals
+from stlc.syntax.tokens import NAME, Token
+from stlc.syntax.units import nearest_unit
+
+_PAIRS: Final = {"RSQB": ("INDEX", "LSQB", "IVL"), "RPAR": ("CALL", "LPAR")}
+_AFTER_UNIT: Final = frozenset(
+    {"$END", "AND", "OR", "IMPLIES", "IFF", "RPAR", "RSQB", "RBRACE", "SEP", "COMMA", "COLON"}
+)
+
+
+def misspelt(source: Source, tokens: list[Token], index: int) -> Diagnostic | None:
+    """A better word for the token that the parser can't use, or for the one before it."""
+    if not 0 < index < len(tokens):
+        return None
+    found = _unit(source, tokens, index) or _shape(source, tokens, index)
+    if found is not None or not _in_formula(tokens, index):
+        return found
+    return _binary(source, tokens[index]) or _unary(source, tokens, index)
+
+
+def _in_formula(tokens: list[Token], index: int) -> bool:
+    """Whether the token stands in the formula of a `require` or `let`, and not in its head."""
+    formulas = tokens[0].kind in ("ST_REQUIRE", "ST_LET")
+    return formulas and any(t.kind in ("COLON", "EQ") for t in tokens[: index - 1])
+
+
+def _unit(source: Source, tokens: list[Token], index: int) -> Diagnostic | None:
+    """`5 sec`, `0.4 mtr`: a word that ends a comparison, right after a number."""
+    before, token = tokens[index - 1], tokens[index]
+    if token.kind != NAME or before.kind != "NUMBER":
+        return None
+    after = tokens[index + 1].kind if index + 1 < len(tokens) else "$END"
+    if after not in _AFTER_UNIT:
+        return None
+    near = nearest_unit(token.text)
+    advice = f"did you mean `{near}`?" if near else "units are m, s, kg, dB, dBm, ..."
+    place = source.span(token.start, token.end)
+    fix = Fix(place, near) if near else None
+    text = source.text[before.start : token.end]
+    return BadNumber(span=place, text=text, tail=token.text, advice=advice, fix=fix)
+
+
+def _shape(source: Source, tokens: list[Token], index: int) -> Diagnostic | None:
+    """`region g = circle (1, 2) 3`: a word with numbers where a shape is due."""
+    before, kind = tokens[index - 1], tokens[index].kind
+    due = tokens[index - 2].kind in ("EQ", "ST_WORKSPACE", "PLUS") if index > 1 else False
+    if tokens[0].kind not in SHAPED or before.kind != NAME or not due:
+        return None
+    if kind not in ("CALL", "LPAR", "LSQB", "INDEX", "NUMBER"):
+        return None
+    return SyntaxMistake(
+        span=source.span(before.start, before.end),
+        what=f"there is no shape `{before.text}`",
+        place="not a shape",
+        advice="shapes are `box [x0, x1] x [y0, y1]` and `polygon (x, y) (x, y) (x, y)`; "
+        "write a disc as a polygon with 8 corners or more",
+    )
+
+
+def _binary(source: Source, token: Token) -> Diagnostic | None:
+    """`x > 0 adn y > 0`."""
+    return _operator(source, token, BINARY) if token.kind == NAME else None
+
+
+def _unary(source: Source, tokens: list[Token], index: int) -> Diagnostic | None:
+    """`evntually[0, 5] x > 0`, and `eventually(0, 5) x > 0`."""
+    start = index - 1
+    opening = _PAIRS.get(tokens[start].kind, ())
+    while opening and start > 0 and tokens[start].kind not in opening:
+        start -= 1
+    word = tokens[start - 1] if opening and start > 0 else tokens[start]
+    if word.kind != NAME:
+        return None
+    if "CALL" in opening and word_terminals().get(word.text) in UNARY:
+        return SyntaxMistake(
+            span=source.span(tokens[start].start, tokens[index - 1].end),
+            what=f"the interval of `{word.text}` stands in round brackets",
+            place="expected `[` and `]`",
+            advice=f"write `{word.text}[0, 5]`",
+        )
+    return _operator(source, word, UNARY)
+
+
+def _operator(source: Source, word: Token, kinds: frozenset[str]) -> Diagnostic | None:
+    known = [text for text, kind in word_terminals().items() if kind in kinds and len(text) > 2]
+    near = get_close_matches(word.text.lower(), known, 1, 0.65)
+    if not near or word.text == near[0]:
+        return None
+    span = source.span(word.start, word.end)
+    return SyntaxMistake(
+        span=span,
+        what=f"`{word.text}` is no operator",
+        place="read as a name",
+        advice=f"did you mean `{near[0]}`?",
+        fix=Fix(span, near[0]),
+    )
