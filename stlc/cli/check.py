@@ -42,7 +42,9 @@ def check_command(
 def _explanation(code: str) -> str:
     import difflib
     import inspect
+    from textwrap import indent
 
+    from stlc.diagnostic_examples import EXAMPLES
     from stlc.diagnostics import catalogue
     from stlc.sema import load_all_diagnostics
 
@@ -58,6 +60,9 @@ def _explanation(code: str) -> str:
     remedy = _open(cls.help)
     if remedy.strip(".`"):  # else the remedy is made for each case
         parts += ["", f"Remedy: {remedy}"]
+    if cls.code in EXAMPLES:
+        wrong, right = (indent(text, "  ") for text in EXAMPLES[cls.code])
+        parts += ["", "Wrong:", wrong, "", "Right:", right]
     return "\n".join(parts)
 
 

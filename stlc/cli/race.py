@@ -41,7 +41,9 @@ if TYPE_CHECKING:
 @click.option("--threads", type=click.IntRange(min=1), default=1, show_default=True,
               help="Of each racer.")  # fmt: skip
 @solver_options
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="The plan (JSON), kept up to date.")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), help="The plan (JSON), kept up to date."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @click.option("--progress", "style", default="auto", show_default=True,
               type=click.Choice(["auto", "line", "ndjson", "none"]),
