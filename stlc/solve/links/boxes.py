@@ -128,6 +128,7 @@ def edge_min(edges: Edges, a0: Floats, a1: Floats) -> Floats:
     return cheapest(edges, a0, a1)[0]
 
 
+@np.errstate(all="ignore")
 def cheapest(edges: Edges, a0: Floats, a1: Floats) -> tuple[Floats, Floats]:
     """`edge_min`, and (n, 3) where it is: p, w, w'.
 
@@ -173,5 +174,4 @@ def _vertices(e: Edges, ends: tuple[Floats, ...], rising: Bools) -> Iterator[tup
         for e0, e1, d1 in lines[:m]:
             det = c0 * e1 - c1 * e0
             if det.any():
-                with np.errstate(divide="ignore", invalid="ignore"):
-                    yield (d0 * e1 - c1 * d1) / det, (c0 * d1 - e0 * d0) / det
+                yield (d0 * e1 - c1 * d1) / det, (c0 * d1 - e0 * d0) / det

@@ -16,7 +16,7 @@ from stlc.solve.links.session import Session
 from stlc.solve.links.shares import stage_cost
 
 MARGIN = 1e-6
-_ROUNDS, _ASCENTS = 10, 3
+_ROUNDS = 8  # of an ascent
 
 
 class Tightener:
@@ -51,26 +51,20 @@ class Tightener:
         return True
 
     def ascend(self, node: Node) -> bool:
-        """Better potentials and what they rule out, while that is much."""
-        session, rest = self.session, self.problem.rest
+        """Better potentials, and what they rule out."""
+        assert node.masks is not None
         node.priced = True
-        for _ in range(_ASCENTS):
-            assert node.masks is not None
-            before = node.count
-            arcs = Arcs(self.bodies, node.layers, self.cost, node.masks)
-            if arcs.empty:
-                node.bound = np.inf
-                return False
-            heat = self._heat(node)
-            ascend(arcs, heat, _ROUNDS)
-            bound, through = arcs.through()
-            node.bound = max(node.bound, bound + rest - MARGIN)
-            if node.bound >= session.cutoff:
-                return False
-            node.layers = arcs.priced()
-            self._keep(node, self._alive(arcs, through, node))
-            if session.stopped() or node.count > 0.8 * before:
-                break
+        arcs = Arcs(self.bodies, node.layers, self.cost, node.masks)
+        if arcs.empty:
+            node.bound = np.inf
+            return False
+        ascend(arcs, self._heat(node), _ROUNDS)
+        least, through = arcs.through()
+        node.bound = max(node.bound, least + self.problem.rest - MARGIN)
+        if node.bound >= self.session.cutoff:
+            return False
+        node.layers = arcs.priced()
+        self._keep(node, self._alive(arcs, through, node))
         return True
 
     def cut(self, node: Node) -> bool:
