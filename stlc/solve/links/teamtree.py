@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import heapq
 import itertools
-from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stlc.solve.links.agreement import Agreement, Pair, Prices, no_prices
+from stlc.solve.links.inherit import blocks, handed_down, masked, sliced
 from stlc.solve.links.layers import Layer, Maker, rate_borders, reach_bits, restrict
 from stlc.solve.links.problem import Bools, Floats, Ints, Problem
 from stlc.solve.links.reach import tubes
@@ -37,6 +37,7 @@ _LEAF_SECONDS = 30.0
 _DIVE_SECONDS = 8.0
 _FINE = 60_000  # pairs of states at a step: more are not refined
 _POINT = 1e-6  # m
+_POLISH_SECONDS = 10.0
 _EVERY = 8  # nodes between plunges
 _CUT = 0.75  # of the gap, while plunging
 
@@ -109,10 +110,15 @@ class Tree:
         self.frame = session.frame
         self.tubes = [tubes(body, self.problem.steps) for body in self.problem.bodies]
         self.closed, self.visited = np.inf, 0
+        agents = range(len(self.problem.bodies))
+        self._free = itertools.cycle(itertools.combinations(agents, 2))
+        self._polished = np.inf
 
     def run(self) -> None:
         """Best bound first, until the incumbent is proven or the session stops."""
-        session, root = self.session, self._root()
+        session = self.session
+        self._polish()
+        root = self._root()
         if root is None:
             return
         ticks = itertools.count()
@@ -139,8 +145,8 @@ class Tree:
             return node
         self._tighten(node, _COARSE_ROUNDS, coarse, np.inf)
         fine = self._layers(self.problem, taken, 1)
-        blocks = _blocks(self.problem, coarse)
-        prices = _handed_down(node.prices, node.rows, fine, blocks)
+        host = blocks(self.problem, coarse)
+        prices = handed_down(node.prices, node.rows, fine, host)
         return Node(node.bound, taken, fine, prices, None)
 
     def _layers(self, problem: Problem, taken: Taken, bins: int) -> list[list[Layer]]:
@@ -172,6 +178,7 @@ class Tree:
             node.tried = True
         elif self.visited % _EVERY == 1:
             self._plunge(node, agreement)
+            self._polish()
         return self._branch(node)
 
     def _close(self, bound: float) -> list[Node]:
@@ -205,7 +212,7 @@ class Tree:
         ]
         index = [[layer.parent for layer in row] for row in rows]
         node.rows, node.bins = rows, bins
-        node.prices, node.masks = _sliced(node.prices, index), _masked(node.masks, index)
+        node.prices, node.masks = sliced(node.prices, index), masked(node.masks, index)
 
     def _alive_cells(self, node: Node) -> dict[Pair, list[Bools]]:
         """Cell pairs (cells, cells) at each step."""
@@ -259,6 +266,19 @@ class Tree:
             if session.value < before or session.seconds > until or session.stopped():
                 return
             self._solve(part, _DIVE_SECONDS)
+
+    def _polish(self) -> None:
+        """Free two agents at a time around the incumbent, until all pairs bring nothing."""
+        session, until = self.session, self.session.seconds + _POLISH_SECONDS
+        cell = min(float(np.diff(e).max()) for e in self.problem.edges)
+        agents = len(self.problem.bodies)
+        idle = 0
+        while session.x is not None and session.seconds < until and not session.stopped():
+            if session.value >= self._polished or idle == agents * (agents - 1) // 2:
+                self._polished = session.value
+                return
+            better = session.around(next(self._free), 0.7 * cell, _DIVE_SECONDS / 2, 1e-3)
+            idle = 0 if better else idle + 1
 
     def _taken_by(self, n: int, agreement: Agreement, own: tuple[int, ...]) -> int:
         """The alternative that most of an agent's pairs take."""
@@ -323,61 +343,10 @@ def keep(node: Node, index: list[list[Ints]]) -> None:
         for mask, kept in zip(masks, index[n], strict=True):
             mask[kept] = True
         node.rows[n] = [restrict(layer, m) for layer, m in zip(row, masks, strict=True)]
-    node.prices, node.masks = _sliced(node.prices, index), _masked(node.masks, index)
+    node.prices, node.masks = sliced(node.prices, index), masked(node.masks, index)
 
 
 def _kept(node: Node, index: list[list[Ints]]) -> Node:
     node.rows = [list(row) for row in node.rows]
     keep(node, index)
     return node
-
-
-def _sliced(prices: Prices, index: Sequence[Sequence[Ints]]) -> Prices:
-    states = {
-        p: tuple([v[k] for v, k in zip(values, index[n], strict=True)]
-                 for n, values in zip(p, ends, strict=True))
-        for p, ends in prices.states.items()
-    }  # fmt: skip
-    return Prices(dict(prices.potentials), {p: (v[0], v[1]) for p, v in states.items()})
-
-
-def _masked(
-    masks: dict[Pair, list[Bools]] | None, index: Sequence[Sequence[Ints]]
-) -> dict[Pair, list[Bools]] | None:
-    if masks is None:
-        return None
-    return {
-        p: [m[np.ix_(i, j)] for m, i, j in zip(row, index[p[0]], index[p[1]], strict=True)]
-        for p, row in masks.items()
-    }
-
-
-def _blocks(fine: Problem, coarse: Problem) -> Ints:
-    """The merged cell of each cell."""
-    x, y = (
-        np.searchsorted(c, (f[:-1] + f[1:]) / 2) - 1
-        for f, c in zip(fine.edges, coarse.edges, strict=True)
-    )
-    return np.asarray((x[:, None] * coarse.shape[1] + y[None]).ravel(), dtype=np.int64)
-
-
-def _handed_down(
-    prices: Prices, coarse: Sequence[Sequence[Layer]], fine: Sequence[Sequence[Layer]],
-    blocks: Ints,
-) -> Prices:  # fmt: skip
-    """Prices of merged cells for the cells in them; 0 where a merged cell is gone."""
-    index = [[_hosts(a, b, blocks) for a, b in zip(*rows, strict=True)]
-             for rows in zip(coarse, fine, strict=True)]  # fmt: skip
-    padded = {
-        p: tuple([np.append(np.where(np.isfinite(v), v, 0.0), 0.0) for v in end] for end in ends)
-        for p, ends in prices.states.items()
-    }
-    return _sliced(Prices(prices.potentials, {p: (v[0], v[1]) for p, v in padded.items()}), index)
-
-
-def _hosts(coarse: Layer, fine: Layer, blocks: Ints) -> Ints:
-    """For each fine state one of the same merged cell, -1 where there is none."""
-    table = np.full((2, int(blocks.max()) + 1), -1, np.int64)
-    table[coarse.bit, coarse.cell] = np.arange(len(coarse))
-    found: Ints = table[fine.bit, blocks[fine.cell]]
-    return found
