@@ -30,10 +30,11 @@ class ConflictingClauses(Diagnostic):
     code: ClassVar[str] = "E0801"
     title: ClassVar[str] = "no plan exists: {what} cannot be satisfied{together}"
     label: ClassVar[str] = "{first}"
-    help: ClassVar[str] = "relax one of them, or the bounds of the agents they speak of"
+    help: ClassVar[str] = "{remedy}"
     what: str
     together: str
     first: str
+    remedy: str
 
 
 @click.command("explain")
@@ -69,8 +70,11 @@ def explain_mission(mission: Mission, backend: str, time_limit: float) -> int:
     raise NoPlanError(f"not decided within {time_limit:g} s")
 
 
-def show_conflict(mission: Mission, backend: str, seconds: float) -> None:
-    """Print what conflicts in a mission that is proven infeasible, as found within `seconds`."""
+def show_conflict(mission: Mission, backend: str, seconds: float, told: str) -> None:
+    """Print what conflicts in a mission that is proven infeasible, as found within `seconds`.
+
+    `told` is what the person has read of the proof already.
+    """
     from stlc.solve.explain import Verdict, explain
 
     limit = seconds / 4
@@ -78,20 +82,26 @@ def show_conflict(mission: Mission, backend: str, seconds: float) -> None:
         mission, backend=backend, time_limit=limit, total=seconds, proven=True, grace=_GRACE
     )
     if not isinstance(result, Verdict):
-        show_diagnostics([_diagnostic(result)])
+        show_diagnostics([_diagnostic(result, told)])
 
 
-def _diagnostic(conflict: Conflict) -> Diagnostic:
+def _diagnostic(conflict: Conflict, told: str = "") -> Diagnostic:
     clauses = list(zip(conflict.clauses, conflict.spans, strict=True))
     several = len(clauses) > 1
     remarks = [Note(f"with this: `{c.name}`", span) for c, span in clauses[1:]]
     if not conflict.minimal:
         remarks.append(Note("the set may not be minimal: some proofs hit the time limit"))
-    remarks.append(Note(conflict.confirmation))
+    if not told or told not in conflict.confirmation:
+        remarks.append(Note(conflict.confirmation))
     return ConflictingClauses(
         span=clauses[0][1],
         what=f"these {len(clauses)} clauses" if several else f"`{clauses[0][0].name}`",
         together=" together" if several else "",
-        first=f"`{clauses[0][0].name}`",
+        first=f"`{clauses[0][0].name}`" if several else "cannot hold",
+        remedy=(
+            "relax one of them, or the bounds of the agents they speak of"
+            if several
+            else "relax it, or the bounds of the agents it speaks of"
+        ),
         notes=tuple(remarks),
     )

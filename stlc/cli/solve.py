@@ -70,7 +70,7 @@ def solve_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, .
             if words["no_explain"]:
                 raise
             complain(str(error))
-            return _explain(mission, settings, tell)
+            return _explain(mission, settings, tell, str(error))
     click.echo(json.dumps(outcome.as_dict(), indent=2) if words["as_json"] else _summary(outcome))
     if words["csv_path"]:
         outcome.plan.write_csv(words["csv_path"])
@@ -86,13 +86,13 @@ def _solve(mission: Mission, settings: SolveSettings, tell: Listener, stop: Any)
     return solve_mission(mission, settings, tell, stop)
 
 
-def _explain(mission: Mission, settings: SolveSettings, tell: Listener) -> int:
+def _explain(mission: Mission, settings: SolveSettings, tell: Listener, told: str) -> int:
     """Which lines conflict, as far as a bounded time tells."""
     from stlc.cli.explain import show_conflict
     from stlc.solve.events import StatusEvent
 
     tell(StatusEvent("explain", "looking for the requirements that conflict"))
-    show_conflict(mission, settings.backend, _EXPLAIN)
+    show_conflict(mission, settings.backend, _EXPLAIN, told)
     return InfeasibleError.exit_status
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stlc.mission import Mission
@@ -106,7 +107,7 @@ def _head(figure: Figure, plan: Plan, look: dict[str, Look]) -> None:
     """Title, and one legend of the agents for all panels."""
     from matplotlib.lines import Line2D
 
-    facts = [plan.mission]
+    facts = [Path(plan.mission).name]
     if plan.solve.status != "unknown":
         facts.append(plan.solve.status)
     if plan.solve.objective is not None:

@@ -35,7 +35,10 @@ from stlc.milp.tables.spans import TOUCH, Spans
 
 @dataclass(frozen=True, slots=True)
 class Literal:
-    """The paper's n^2 binaries; `big_m` None: the tightest for each row."""
+    """The paper's n^2 binaries, with its big-M; -tight: the smallest M for each row.
+
+    `big_m` None asks for the smallest.
+    """
 
     name: str = "literal"
     big_m: float | None = 99999.0
