@@ -27,6 +27,7 @@ from stlc.solve.links.tighten import MARGIN, Tightener
 BINS = 2  # of the rate along each axis
 LEAF_PAIRS = 700  # cell pairs that go to the solver when no choice is left
 WIDE_PAIRS = 300  # and when there is
+DIVE_PAIRS = 1500  # with so many left it is worth looking for better plans
 MOST_STATES = 500_000  # pairs of states: more are too slow for an ascent
 WIDE_STATES = 200_000  # and where a choice is open
 
@@ -41,6 +42,7 @@ class Search:
         self.tubes = tuple(tubes(b, self.problem.steps) for b in bodies)
         self.tools = Tightener(session)
         self.descent = Descent(self.problem, session.stopped)
+        self.dives = 0  # nodes when plans were last looked for
 
     def run(self) -> bool:
         """Search; True when the incumbent is proven within the gap."""
@@ -90,21 +92,27 @@ class Search:
     def _polish(self, seconds: float) -> None:
         """Solve over the cells near the incumbent."""
         if self.session.x is not None and not self.session.stopped():
-            cell = min(float(np.diff(e).max()) for e in self.problem.edges)
-            self.session.near(self.session.paths(), 0.7 * cell, seconds, 1e-3)
+            self.session.near(self.session.paths(), self._radius(), seconds, 1e-3)
 
     def _seeded(self, node: Node) -> bool:
         """Descents from the best abstract run under the node's potentials."""
-        if node.masks is None or not self.descent.possible:
+        path = self._best_run(node) if self.descent.possible else None
+        if path is None:
             return False
+        return any([self._guides({n: self._centres(node, path, n)}, ((1 - n, n),)) for n in (0, 1)])
+
+    def _best_run(self, node: Node) -> list[tuple[int, int]] | None:
+        """States of the best abstract run."""
         joint = Joint(self.bodies, node.layers, self.tools.cost, node.masks)
-        if not np.isfinite(joint.forward()):
-            return False
-        path, better = joint.path(), False
-        for n in (0, 1):
-            centre = np.array([_centre(node.layers[n][t], path[t][n]) for t in range(len(path))])
-            better |= self._guides({n: centre}, ((1 - n, n),))
-        return better
+        return joint.path() if np.isfinite(joint.forward()) else None
+
+    def _centres(self, node: Node, path: Sequence[tuple[int, int]], n: int) -> Floats:
+        """Positions (T+1, 2) in the middle of agent n's boxes along a run."""
+        return np.array([_centre(node.layers[n][t], pair[n]) for t, pair in enumerate(path)])
+
+    def _radius(self) -> float:
+        """Of the neighbourhoods that are solved [m]: well over half a cell."""
+        return 0.7 * min(float(np.diff(e).max()) for e in self.problem.edges)
 
     # -- nodes --------------------------------------------------------------------------------
     def _expand(self, node: Node) -> tuple[float, list[Node]]:
@@ -131,11 +139,25 @@ class Search:
             return False
         if node.depth == 0:
             self._seeded(node)
-            self._polish(4.0)
+            self._polish(10.0)
             if not tools.programme(node):
                 return False
         many = node.pairs_of_states > (WIDE_STATES if node.wide else MOST_STATES)
-        return self.session.stopped() or many or tools.ascend(node)
+        if self.session.stopped() or many:
+            return True
+        return tools.ascend(node) and (node.count < DIVE_PAIRS or self._dive(node))
+
+    def _dive(self, node: Node) -> bool:
+        """Plans near the best abstract run, once in a while; False when that closes the node."""
+        session = self.session
+        if session.nodes < 2 * self.dives:
+            return True
+        self.dives, before = session.nodes, session.value
+        path = self._best_run(node)
+        if path is None:
+            return True
+        session.near([self._centres(node, path, n) for n in (0, 1)], self._radius(), 6.0, 1e-3)
+        return session.value >= before or self.tools.programme(node)
 
     def _branch(self, node: Node) -> list[Node]:
         """Halve the larger choice; without one, cut the node where an agent is at a step."""
