@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stlc.solve.links.boxes import AxisGrid, Edges, edge_min
-from stlc.solve.links.joint import SAFETY
+from stlc.solve.links.chain import SAFETY
 from stlc.solve.links.layers import Layer
 from stlc.solve.links.problem import Body, Bools, Floats, Ints
 from stlc.solve.links.steps import Half, Step, make_step, spread

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stlc.solve.links.boxes import Edges, edge_min
+from stlc.solve.links.boxes import AxisGrid, Edges, edge_min
 from stlc.solve.links.layers import Layer
 from stlc.solve.links.problem import Body, Floats, Ints, Singles
 from stlc.solve.links.steps import both_ways, make_step
 
-SAFETY = 2e-6  # taken off each axis edge
+SAFETY = 2e-6  # taken off each axis edge: single precision over a whole run
 _DELTA = 1e-4  # of a slope, for differences
 
 Weights = list[tuple[Singles, Singles]]
@@ -20,7 +20,8 @@ Weights = list[tuple[Singles, Singles]]
 
 class Chain:
     """The layers 0..T of an agent, joined by half-steps. Potentials pi (T+1, 2 axes, 2: slopes on
-    p and w), as in `joint`, come with `weights`: pairs of agents share a chain, not its weights."""
+    p and w), as in `joint`, come with `weights`, on top of those of the boxes: pairs of agents
+    share a chain, not its weights."""
 
     def __init__(self, body: Body, layers: Sequence[Layer]) -> None:
         self.body, self.layers, self.steps = body, layers, len(layers) - 1
@@ -29,16 +30,18 @@ class Chain:
         rows, shifts, self._cuts = [], [], [0]
         for t, step in enumerate(made):
             for d, (i, j) in enumerate((step.along_x, step.along_y)):
-                src, dst = _boxes(layers[t], d)[i], _boxes(layers[t + 1], d)[j]
-                key = np.empty((len(i), 10))
-                key[:, :4], key[:, 4:8], key[:, 8:] = src, dst, (t, d)
-                key[:, [0, 1, 4, 5]] -= src[:, :1]
+                src, dst = _grid(layers[t], d).take(i), _grid(layers[t + 1], d).take(j)
+                key = np.empty((len(i), 14))
+                key[:, :4], key[:, 4:8], key[:, 8:10] = src.room, dst.room, (t, d)
+                key[:, [0, 1, 4, 5]] -= src.room[:, :1]
+                key[:, 10:12], key[:, 12:] = src.slope, dst.slope
                 rows.append(key)
-                shifts.append(src[:, 0])
+                shifts.append(src.room[:, 0])
                 self._cuts.append(self._cuts[-1] + len(i))
         self._shift = np.concatenate(shifts)
         keys, self._inverse = _unique_rows(np.concatenate(rows))
-        self._edges, self._at = self._costed(keys[:, :4], keys[:, 4:8], keys[:, 8:].astype(int))
+        self._edges, self._at = self._costed(keys[:, :4], keys[:, 4:8], keys[:, 8:10].astype(int))
+        self._slopes = keys[:, 10:12], keys[:, 12:]
 
     def _costed(self, src: Floats, dst: Floats, at: Ints) -> tuple[Edges, Ints]:
         """Edges between boxes; at (n, 2): step and axis."""
@@ -51,10 +54,12 @@ class Chain:
         )  # fmt: skip
         return edges, at
 
-    def weights(self, pi: Floats) -> Weights:
+    def weights(self, pi: Floats | None = None) -> Weights:
         """Least weights of all edges under potentials pi."""
         t, d = self._at.T
-        a0, a1 = pi[t, d], pi[t + 1, d]
+        a0, a1 = self._slopes
+        if pi is not None:
+            a0, a1 = a0 + pi[t, d], a1 + pi[t + 1, d]
         base = edge_min(self._edges, a0, a1) - SAFETY
         all_ = base[self._inverse] + (a1 - a0)[self._inverse, 0] * self._shift
         parts = [
@@ -85,7 +90,7 @@ class Chain:
         """Derivative of a path's weight by pi, as differences: how far apart the points are at
         which it enters and leaves its boxes."""
         at = np.stack([np.repeat(np.arange(self.steps), 2), np.tile([0, 1], self.steps)], 1)
-        boxes = np.array([[layer.x.box[layer.ix[k]], layer.y.box[layer.iy[k]]]
+        boxes = np.array([[layer.x.room[layer.ix[k]], layer.y.room[layer.iy[k]]]
                           for layer, k in zip(self.layers, path, strict=True)])  # fmt: skip
         src, dst = boxes[:-1].reshape(-1, 4), boxes[1:].reshape(-1, 4)
         edges, _ = self._costed(np.tile(src, (5, 1)), np.tile(dst, (5, 1)), np.tile(at, (5, 1)))
@@ -105,9 +110,8 @@ class Chain:
         return out
 
 
-def _boxes(layer: Layer, d: int) -> Floats:
-    """Boxes (n, 4) along an axis, numbered within the axis grid."""
-    return layer.x.box if d == 0 else layer.y.box
+def _grid(layer: Layer, d: int) -> AxisGrid:
+    return layer.x if d == 0 else layer.y
 
 
 def _unique_rows(keys: Floats) -> tuple[Floats, Ints]:

@@ -43,9 +43,10 @@ def _cuts(problem: Problem, arcs: Arcs, heat: float) -> Iterator[tuple[float, Cu
         mass = np.bincount(place, share[t], minlength=problem.shape[d])
         low, moment = np.cumsum(mass)[:-1], np.cumsum(mass * np.arange(len(mass)))
         high = 1 - low
+        smaller = np.minimum(low, high)
         with np.errstate(divide="ignore", invalid="ignore"):
             apart = (moment[-1] - moment[:-1]) / high - moment[:-1] / low
-        score = np.where(np.minimum(low, high) > _LEAST, np.minimum(low, high) * apart, 0.0)
+            score = np.where(smaller > _LEAST, smaller * apart, 0.0)
         if len(score) and score.max() > 0:
             k = int(np.argmax(score))
             yield float(score[k]), (n, t, d, k)

@@ -85,7 +85,7 @@ class Problem:
     pairs[i, j][t] is (n, n) or None, alone[i][t] (n,) or None: link costs at step t = 0..T.
     `rest` is a lower bound on the part of the objective that no pair counts: what stands nowhere
     here, and the own costs of agents in no pair. `owner` (n,) maps a cell to the partition's own
-    cell, -1 where there is none.
+    cell, -1 where there is none. `costly`: links have a cost; otherwise they are only asked for.
     """
 
     steps: int
@@ -97,6 +97,7 @@ class Problem:
     owner: Ints
     key: bytes
     apart: tuple[Apart, ...] = ()
+    costly: bool = True
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -93,7 +93,7 @@ def _with_costs(
     return Problem(
         mission.horizon, fine.edges, tuple(bodies),
         {k: tuple(v) for k, v in costs.pairs.items()}, tuple(tuple(a) for a in costs.alone), rest,
-        owner.astype(np.int64), key, tuple(_apart(compiled, bodies)),
+        owner.astype(np.int64), key, tuple(_apart(compiled, bodies)), bool(links),
     )  # fmt: skip
 
 

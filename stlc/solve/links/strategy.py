@@ -21,8 +21,9 @@ _NEEDED = Capability.TIME_LIMIT | Capability.GAP
 def solve_links(compiled: Compiled, backend: Backend, options: SolveOptions) -> Solution | None:
     """Solve a mission with link costs between moving agents; None for any other mission.
 
-    The bound is that of the compiled model, and OPTIMAL means proven within the gap, as with a
-    backend. Raises SolverError as the backend does.
+    Where links are only asked for, the search just looks for a first plan. The bound is that of
+    the compiled model, and OPTIMAL means proven within the gap, as with a backend. Raises
+    SolverError as the backend does.
     """
     if backend.capabilities & _NEEDED != _NEEDED:
         return None
@@ -32,7 +33,8 @@ def solve_links(compiled: Compiled, backend: Backend, options: SolveOptions) -> 
     session = Session(Frame(compiled, problem), backend, options)
     if options.start is not None:
         session.offer(options.start)
-    proven = Search(session).run() if len(problem.bodies) == 2 else Team(session).run()
+    search = Search(session) if len(problem.bodies) == 2 else Team(session)
+    proven = search.run() if problem.costly else search.plan()
     large = session.x is not None and compiled.model.columns > _LARGE
     if proven or large or session.stopped():
         return _answer(session, proven)

@@ -19,12 +19,18 @@ class Team:
         self.session, self.problem = session, session.problem
         self.descent = Descent(self.problem, session.stopped)
 
-    def run(self) -> bool:
-        """Search; True when the incumbent is proven within the gap."""
-        order, session = list(range(len(self.problem.bodies))), self.session
+    def plan(self) -> bool:
+        """Look for first plans only; never proves anything."""
+        order = list(range(len(self.problem.bodies)))
         if self.descent.possible:
             self._guide(order)
             self._guide(order[::-1])
+        return False
+
+    def run(self) -> bool:
+        """Search; True when the incumbent is proven within the gap."""
+        session = self.session
+        self.plan()
         workers = min(_WORKERS, session.options.threads or os.cpu_count() or 1)
         with ThreadPoolExecutor(workers) as pool:
             Tree(session, pool).run()

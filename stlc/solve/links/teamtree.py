@@ -17,7 +17,7 @@ import numpy as np
 
 from stlc.solve.links.agreement import Agreement, Pair, Prices, no_prices
 from stlc.solve.links.inherit import blocks, handed_down, masked, sliced
-from stlc.solve.links.layers import Layer, Maker, rate_borders, reach_bits, restrict
+from stlc.solve.links.layers import Layer, Maker, drawn_in, rate_borders, reach_bits, restrict
 from stlc.solve.links.problem import Bools, Floats, Ints, Problem
 from stlc.solve.links.reach import tubes
 from stlc.solve.links.session import Session
@@ -301,16 +301,19 @@ class Tree:
         return [self._child(node, n, part) for part in (own[:half], own[half:])]
 
     def _child(self, node: Node, n: int, part: tuple[int, ...]) -> Node:
-        index = _everything(node)
+        index, rows = _everything(node), list(node.rows)
+        rows[n] = list(rows[n])
         for t in range(1, self.problem.steps + 1):
-            layer = node.rows[n][t]
+            layer = rows[n][t]
             bits = reach_bits(
                 self.problem.bodies[n], self.tubes[n], part, t, layer.x, layer.y, layer.ix,
                 layer.iy,
             )  # fmt: skip
             index[n][t] = np.flatnonzero(bits[layer.bit, np.arange(len(layer))])
+            x, y = drawn_in(self.tubes[n], part, t, layer.x, layer.y)
+            rows[n][t] = replace(layer, x=x, y=y)
         taken = tuple(part if k == n else t for k, t in enumerate(node.taken))
-        return _kept(replace(node, taken=taken, tried=False), index)
+        return _kept(replace(node, taken=taken, rows=rows, tried=False), index)
 
     def _halves(self, node: Node) -> list[Node]:
         """Split the widest spread of an agent's positions along an axis."""
