@@ -9,6 +9,7 @@ paper's LP relaxation. HiGHS solves the flat itself.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
@@ -64,9 +65,14 @@ def _optimum(name: str) -> float:
     return value
 
 
-@pytest.mark.parametrize("kind", ["mps", "lp"])
+# The examples' own files are compared number by number below, in both formats.
+FULL = os.environ.get("HYPOTHESIS_PROFILE") == "full"
+FILES = [(name, kind) for name in MISSIONS for kind in ("mps", "lp")
+         if FULL or kind == "mps" or name == "two_agents_t4"]  # fmt: skip
+
+
 @pytest.mark.parametrize("solver", solvers())
-@pytest.mark.parametrize("name", MISSIONS)
+@pytest.mark.parametrize(("name", "kind"), FILES)
 def test_one_optimum(name: str, solver: str, kind: str, tmp_path: Path) -> None:
     compiled, file, solution = _compiled(name), tmp_path / f"m.{kind}", tmp_path / "m.sol"
     write_model(compiled.model, file)
