@@ -55,7 +55,7 @@ def test_interval_proofs_are_explained_too(tmp_path: Path) -> None:
     done = stlc("solve", "c.stl", "--progress", "none", folder=tmp_path)
     assert done.returncode == 3
     assert "c.stl:12" in done.stderr
-    assert done.stderr.count("no value of vx is left") == 1  # told once, not again by the explanation
+    assert done.stderr.count("no value of vx is left") == 1  # not told again by the explanation
 
 
 WRONG = {
