@@ -18,7 +18,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from stlc.solve.links.chain import Chain, Weights
+from stlc.solve.links.chain import Chain, SingleWeights, single
 from stlc.solve.links.layers import Layer
 from stlc.solve.links.problem import Bools, Floats, Problem, Singles
 from stlc.solve.links.shares import lighter, pair_share, stage_cost
@@ -67,7 +67,7 @@ class Agreement:
         self.lonely = _lonely(problem, self.own)
         self._pool = pool
         self._base = {p: self._costs(p, None if masks is None else masks[p]) for p in self.pairs}
-        self._weights: dict[Pair, tuple[Weights, Weights]] = {}
+        self._weights: dict[Pair, tuple[SingleWeights, SingleWeights]] = {}
         self._weigh()
         self._table: dict[Pair, list[Singles]] = {}
         self._margin = 0.0
@@ -92,7 +92,7 @@ class Agreement:
         for p in self.pairs:
             pi = self.prices.potentials[p]
             self._weights[p] = (
-                self.chains[p[0]].weights(pi[0]), self.chains[p[1]].weights(pi[1]),
+                single(self.chains[p[0]].weights(pi[0])), single(self.chains[p[1]].weights(pi[1])),
             )  # fmt: skip
 
     def _each(self, work: Callable[[Pair], T]) -> dict[Pair, T]:

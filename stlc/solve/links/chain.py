@@ -9,13 +9,14 @@ import numpy as np
 from stlc.solve.links.boxes import AxisGrid, Edges, edge_min
 from stlc.solve.links.layers import Layer
 from stlc.solve.links.problem import Body, Floats, Ints, Singles
-from stlc.solve.links.steps import both_ways, make_step
+from stlc.solve.links.steps import Reals, both_ways, make_step
 
-SAFETY = 2e-6  # taken off each axis edge: single precision over a whole run
+SAFETY = 2e-6  # taken off each axis edge
 _DELTA = 1e-4  # of a slope, for differences
 
-Weights = list[tuple[Singles, Singles]]
+Weights = list[tuple[Floats, Floats]]
 """For each step those of the edges along x and along y."""
+SingleWeights = list[tuple[Singles, Singles]]
 
 
 class Chain:
@@ -62,27 +63,24 @@ class Chain:
             a0, a1 = a0 + pi[t, d], a1 + pi[t + 1, d]
         base = edge_min(self._edges, a0, a1) - SAFETY
         all_ = base[self._inverse] + (a1 - a0)[self._inverse, 0] * self._shift
-        parts = [
-            all_[low:high].astype(np.float32)
-            for low, high in zip(self._cuts[:-1], self._cuts[1:], strict=True)
-        ]
+        parts = [all_[low:high] for low, high in zip(self._cuts[:-1], self._cuts[1:], strict=True)]
         return list(zip(parts[::2], parts[1::2], strict=True))
 
-    def onward(self, t: int, values: Singles, weights: Weights) -> Singles:
+    def onward(self, t: int, values: Reals, weights: Sequence[tuple[Reals, Reals]]) -> Reals:
         """(n', k): least values over the steps t -> t + 1; values (n, k)."""
         for half in (0, 1):
             values = self._sweeps[t][half][0].apply(values, weights[t][half])
         return values
 
-    def back(self, t: int, values: Singles, weights: Weights) -> Singles:
+    def back(self, t: int, values: Reals, weights: Sequence[tuple[Reals, Reals]]) -> Reals:
         """(n, k): least values over the steps from t; values (n', k) at t + 1."""
         for half in (1, 0):
             values = self._sweeps[t][half][1].apply(values, weights[t][half])
         return values
 
-    def into(self, t: int, state: int, weights: Weights) -> Singles:
+    def into(self, t: int, state: int, weights: Sequence[tuple[Reals, Reals]]) -> Reals:
         """(n,): weight of the step from every state of layer t to one of layer t + 1."""
-        f = np.full((len(self.layers[t + 1]), 1), np.inf, np.float32)
+        f = np.full((len(self.layers[t + 1]), 1), np.inf, weights[t][0].dtype)
         f[state] = 0
         return self.back(t, f, weights)[:, 0]
 
@@ -108,6 +106,11 @@ class Chain:
         out[1:] += np.moveaxis(change[2:], 0, -1)
         out[0] = out[-1] = 0.0
         return out
+
+
+def single(weights: Weights) -> SingleWeights:
+    """In single precision."""
+    return [(x.astype(np.float32), y.astype(np.float32)) for x, y in weights]
 
 
 def _grid(layer: Layer, d: int) -> AxisGrid:

@@ -16,7 +16,7 @@ import numpy as np
 
 from stlc.solve.links.chain import Chain
 from stlc.solve.links.layers import Layer
-from stlc.solve.links.problem import Body, Bools, Floats, Singles
+from stlc.solve.links.problem import Body, Bools, Floats
 
 
 class Joint:
@@ -34,19 +34,19 @@ class Joint:
         self._chains = [Chain(body, row) for body, row in zip(bodies, layers, strict=True)]
         self._weights = [chain.weights() for chain in self._chains]
         self._stage = [self._staged(t, cost[t], masks) for t in range(self.steps)]
-        self.ahead: list[Singles] = []
-        self.behind: list[Singles] = []
+        self.ahead: list[Floats] = []
+        self.behind: list[Floats] = []
 
-    def _staged(self, t: int, cost: Floats, masks: Sequence[Bools] | None) -> Singles:
+    def _staged(self, t: int, cost: Floats, masks: Sequence[Bools] | None) -> Floats:
         a, b = self.layers[0][t + 1], self.layers[1][t + 1]
-        stage = cost[a.cell][:, b.cell].astype(np.float32)
+        stage = cost[a.cell][:, b.cell]
         if masks is not None:
             stage[~masks[t + 1]] = np.inf
         return stage
 
     def forward(self) -> float:
         """Least value of all abstract runs: a lower bound."""
-        self.ahead = [np.zeros((1, 1), np.float32)]
+        self.ahead = [np.zeros((1, 1))]
         for t in range(self.steps):
             f = self.ahead[-1]
             for chain, weights in zip(self._chains, self._weights, strict=True):
@@ -64,7 +64,7 @@ class Joint:
             behind.append(f)
         self.behind = behind[::-1]
 
-    def through(self, t: int) -> Singles:
+    def through(self, t: int) -> Floats:
         """Lower bound of the runs through each pair of states of layer t."""
         return self.ahead[t] + self.behind[t]
 

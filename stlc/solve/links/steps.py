@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from stlc.solve.links.boxes import EPS, AxisGrid, feasible_pairs
 from stlc.solve.links.layers import Layer
 from stlc.solve.links.problem import Body, Bools, Floats, Ints, Singles
+
+Reals = TypeVar("Reals", Floats, Singles)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,9 +43,9 @@ class Sweep:
     targets: int
     rounds: tuple[tuple[Ints | None, Ints, Ints], ...]
 
-    def apply(self, values: Singles, weights: Singles) -> Singles:
+    def apply(self, values: Reals, weights: Reals) -> Reals:
         """(targets, k): least of values[source] + weights[edge]; values (sources, k)."""
-        out = np.full((self.targets, values.shape[1]), np.inf, np.float32)
+        out = np.full((self.targets, values.shape[1]), np.inf, values.dtype)
         for target, source, edge in self.rounds:
             found = np.take(values, source, axis=0)
             found += weights[edge][:, None]
