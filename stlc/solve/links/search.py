@@ -26,8 +26,8 @@ from stlc.solve.links.tighten import MARGIN, Tightener
 
 BINS = 2  # of the rate along each axis
 LEAF_PAIRS = 700  # cell pairs that go to the solver when no choice is left
-WIDE_PAIRS = 300  # and when there is
-DIVE_PAIRS = 1500  # with so many left it is worth looking for better plans
+WIDE_PAIRS = 200  # and when there is
+DIVE_PAIRS = 4000  # with so many left it is worth looking for better plans
 MOST_STATES = 500_000  # pairs of states: more are too slow for an ascent
 WIDE_STATES = 200_000  # and where a choice is open
 
