@@ -35,7 +35,7 @@ def test_an_interrupt_reports_the_plan_and_its_gap(number: signal.Signals, tmp_p
     said = json.loads(out)
     assert said["status"] == "feasible"
     assert said["verified"] is True
-    assert said["objective"] <= seen["objective"]
+    assert said["objective"] <= seen["objective"] + 1e-6
     plan = read_plan(tmp_path / "p.json")
     assert plan.solve.objective == said["objective"]
     assert plan.solve.gap == said["gap"]
