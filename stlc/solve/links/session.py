@@ -84,6 +84,8 @@ class Session:
 
         A restriction without a better plan is worth the cutoff.
         """
+        if self.stopped():
+            return -np.inf
         reduced = self.frame.reduce(lower, upper, self.cutoff)
         if reduced is None:
             return self.cutoff
