@@ -20,10 +20,10 @@ demo: $(STAMP) ## solve the paper's case and the flat; plans and pictures go to 
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python examples/demo.py --out $(OUT)
 
 test: $(STAMP) ## run all tests (reduced hypothesis profile)
-	HYPOTHESIS_PROFILE=ci $(BIN)/python -m pytest -q
+	OPENBLAS_NUM_THREADS=1 HYPOTHESIS_PROFILE=ci $(BIN)/python -m pytest -q -n 2 --dist loadfile
 
 test-full: $(STAMP) ## run all tests with the full hypothesis profile
-	HYPOTHESIS_PROFILE=full $(BIN)/python -m pytest -q
+	OPENBLAS_NUM_THREADS=1 HYPOTHESIS_PROFILE=full $(BIN)/python -m pytest -q -n 2 --dist loadfile
 
 lint: $(STAMP) ## ruff: style and formatting
 	$(BIN)/ruff check .
