@@ -8,7 +8,7 @@ they stand when the first agent has moved along x, then along y, then the second
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -79,8 +79,7 @@ class Arcs:
         self.loose = np.concatenate(loose)
 
     def _grid(self, n: int, t: int, d: int) -> AxisGrid:
-        layer = self.layers[n][t]
-        return (layer.x, layer.y)[d]
+        return self.layers[n][t].grid(d)
 
     def _list_edges(self, made: Sequence[Sequence[Step]]) -> None:
         """Axis edges of both agents and all steps, one after the other."""
@@ -177,11 +176,7 @@ class Arcs:
         """The layers with these slopes."""
         rows = [
             [
-                replace(
-                    layer,
-                    x=replace(layer.x, slope=self.slopes[self._boxes[n, t, 0]]),
-                    y=replace(layer.y, slope=self.slopes[self._boxes[n, t, 1]]),
-                )
+                layer.priced(*(self.slopes[self._boxes[n, t, d]] for d in (0, 1)))
                 for t, layer in enumerate(row)
             ]
             for n, row in enumerate(self.layers)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stlc.solve.links.boxes import AxisGrid, Edges, edge_min
+from stlc.solve.links.boxes import Edges, edge_min
 from stlc.solve.links.layers import Layer
 from stlc.solve.links.problem import Body, Floats, Ints, Singles
 from stlc.solve.links.steps import Reals, both_ways, make_step
@@ -31,7 +31,7 @@ class Chain:
         rows, shifts, self._cuts = [], [], [0]
         for t, step in enumerate(made):
             for d, (i, j) in enumerate((step.along_x, step.along_y)):
-                src, dst = _grid(layers[t], d).take(i), _grid(layers[t + 1], d).take(j)
+                src, dst = layers[t].grid(d).take(i), layers[t + 1].grid(d).take(j)
                 key = np.empty((len(i), 14))
                 key[:, :4], key[:, 4:8], key[:, 8:10] = src.room, dst.room, (t, d)
                 key[:, [0, 1, 4, 5]] -= src.room[:, :1]
@@ -111,10 +111,6 @@ class Chain:
 def single(weights: Weights) -> SingleWeights:
     """In single precision."""
     return [(x.astype(np.float32), y.astype(np.float32)) for x, y in weights]
-
-
-def _grid(layer: Layer, d: int) -> AxisGrid:
-    return layer.x if d == 0 else layer.y
 
 
 def _unique_rows(keys: Floats) -> tuple[Floats, Ints]:

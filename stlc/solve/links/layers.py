@@ -32,6 +32,14 @@ class Layer:
     def __len__(self) -> int:
         return len(self.ix)
 
+    def grid(self, d: int) -> AxisGrid:
+        """The boxes along an axis."""
+        return self.x if d == 0 else self.y
+
+    def priced(self, x: Floats, y: Floats) -> Layer:
+        """With these slopes of the potentials in the boxes along each axis."""
+        return replace(self, x=replace(self.x, slope=x), y=replace(self.y, slope=y))
+
     def bounds(self) -> Floats:
         """(2, 4): p_lo, p_hi, w_lo, w_hi of all states along each axis."""
         boxes = (self.x.room[self.ix], self.y.room[self.iy])
@@ -189,6 +197,28 @@ def drawn_in(
     return made[0], made[1]
 
 
+def with_choice(
+    body: Body, tubes: Tubes, part: Sequence[int], row: Sequence[Layer]
+) -> tuple[list[Layer], list[Ints]]:
+    """Layers 0..T of runs that take one of `part`, and the states of `row` they keep."""
+    made, kept = [row[0]], [np.arange(len(row[0]))]
+    for t, layer in enumerate(row[1:], start=1):
+        bits = reach_bits(body, tubes, part, t, layer.x, layer.y, layer.ix, layer.iy)
+        keep = np.asarray(bits[layer.bit, np.arange(len(layer))], dtype=bool)
+        x, y = drawn_in(tubes, part, t, layer.x, layer.y)
+        made.append(restrict(replace(layer, x=x, y=y), keep))
+        kept.append(np.flatnonzero(keep))
+    return made, kept
+
+
+def cells_of(mask: Bools, a: Layer, b: Layer, cells: int) -> Bools:
+    """(cells, cells): cell pairs of the pairs of states of two layers that are in the mask."""
+    found = np.zeros((cells, cells), bool)
+    i, j = np.nonzero(mask)
+    found[a.cell[i], b.cell[j]] = True
+    return found
+
+
 def _projected(x: AxisGrid, y: AxisGrid, ix: Ints, iy: Ints, d: Floats) -> Floats:
     """(n, 4): ranges of (d.p, d.w) over the boxes."""
     out = []
@@ -238,11 +268,7 @@ def restrict(layer: Layer, keep: Bools) -> Layer:
 def sloped(layers: Sequence[Layer], pi: Floats) -> list[Layer]:
     """Layers with potentials pi (T+1, 2 axes, 2: slopes on p and w), the same in all boxes."""
     return [
-        replace(
-            layer,
-            x=replace(layer.x, slope=np.broadcast_to(pi[t, 0], (len(layer.x.box), 2))),
-            y=replace(layer.y, slope=np.broadcast_to(pi[t, 1], (len(layer.y.box), 2))),
-        )
+        layer.priced(*(np.broadcast_to(pi[t, d], (len(layer.grid(d).box), 2)) for d in (0, 1)))
         for t, layer in enumerate(layers)
     ]
 

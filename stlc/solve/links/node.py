@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
-import numpy as np
+from dataclasses import dataclass
 
 from stlc.solve.links.cuts import Cut, along
-from stlc.solve.links.layers import Layer, drawn_in, reach_bits, restrict
+from stlc.solve.links.layers import Layer, restrict, with_choice
 from stlc.solve.links.problem import Body, Bools, Problem
 from stlc.solve.links.reach import Tubes
 
@@ -45,17 +43,11 @@ class Node:
         return max(map(len, self.taken)) > 1
 
 
-def with_choice(node: Node, n: int, part: tuple[int, ...], body: Body, tubes: Tubes) -> Node:
+def with_part(node: Node, n: int, part: tuple[int, ...], body: Body, tubes: Tubes) -> Node:
     """The node with agent n's alternatives narrowed to `part`."""
     assert node.masks is not None
-    row, masks = list(node.layers[n]), list(node.masks)
-    for t in range(1, len(row)):
-        layer = row[t]
-        bits = reach_bits(body, tubes, part, t, layer.x, layer.y, layer.ix, layer.iy)
-        keep = np.asarray(bits[layer.bit, np.arange(len(layer))], dtype=bool)
-        x, y = drawn_in(tubes, part, t, layer.x, layer.y)
-        row[t] = restrict(replace(layer, x=x, y=y), keep)
-        masks[t] = masks[t][keep] if n == 0 else masks[t][:, keep]
+    row, kept = with_choice(body, tubes, part, node.layers[n])
+    masks = [m[k] if n == 0 else m[:, k] for m, k in zip(node.masks, kept, strict=True)]
     taken = (part, node.taken[1]) if n == 0 else (node.taken[0], part)
     return _child(node, n, row, taken, masks)
 

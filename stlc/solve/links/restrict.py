@@ -14,6 +14,7 @@ import numpy as np
 
 from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
+from stlc.solve.links.layers import Layer
 from stlc.solve.links.problem import Bools, Floats, Ints, Problem
 from stlc.solve.links.settle import groups_of, settle
 
@@ -105,6 +106,20 @@ class Frame:
         out = np.zeros((count, count), bool)
         out[owner[i], owner[j]] = True
         return out
+
+    def narrowed(
+        self, taken: Sequence[Sequence[int]], rows: Sequence[Sequence[Layer]],
+        alive: Mapping[tuple[int, int], Sequence[Bools]],
+    ) -> tuple[Floats, Floats]:  # fmt: skip
+        """Column bounds with each agent's alternatives, layers 0..T and cell pairs drawn in."""
+        lower, upper = self.bounds()
+        for n, row in enumerate(rows):
+            self.choose(upper, n, taken[n])
+            for t, layer in enumerate(row[1:], start=1):
+                self.confine(lower, upper, n, t, layer.bounds())
+        for pair, cells in alive.items():
+            self.keep_pairs(upper, pair, cells)
+        return lower, upper
 
     def reduce(self, lower: Floats, upper: Floats, cutoff: float = np.inf) -> Reduced | None:
         """Without fixed columns and empty rows, with objective <= cutoff; None if infeasible."""

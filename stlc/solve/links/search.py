@@ -18,7 +18,7 @@ import numpy as np
 from stlc.solve.links.descent import Descent
 from stlc.solve.links.joint import Joint
 from stlc.solve.links.layers import Layer, Maker, rate_borders
-from stlc.solve.links.node import Node, with_choice, with_cut
+from stlc.solve.links.node import Node, with_cut, with_part
 from stlc.solve.links.problem import Floats
 from stlc.solve.links.reach import tubes
 from stlc.solve.links.session import Session
@@ -54,7 +54,7 @@ class Search:
         root = self._root()
         if root is None:
             return False
-        self._guides({}, ((0, 1), (1, 0)))
+        self.plan()
         ticks, closed = itertools.count(), np.inf
         heap = [(root.bound, next(ticks), root)]
         while heap and heap[0][0] < self.session.cutoff and not self.session.stopped():
@@ -171,7 +171,7 @@ class Search:
         n = int(len(node.taken[1]) > len(node.taken[0]))
         own = node.taken[n]
         halves = (own[: len(own) // 2], own[len(own) // 2 :])
-        return [with_choice(node, n, h, self.bodies[n], self.tubes[n]) for h in halves]
+        return [with_part(node, n, h, self.bodies[n], self.tubes[n]) for h in halves]
 
 
 def _centre(layer: Layer, k: int) -> Floats:

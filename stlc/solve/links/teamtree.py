@@ -17,7 +17,7 @@ import numpy as np
 
 from stlc.solve.links.agreement import Agreement, Pair, Prices, no_prices
 from stlc.solve.links.inherit import blocks, handed_down, masked, sliced
-from stlc.solve.links.layers import Layer, Maker, drawn_in, rate_borders, reach_bits, restrict
+from stlc.solve.links.layers import Layer, Maker, cells_of, rate_borders, restrict, with_choice
 from stlc.solve.links.problem import Bools, Floats, Ints, Problem
 from stlc.solve.links.reach import tubes
 from stlc.solve.links.session import Session
@@ -217,28 +217,20 @@ class Tree:
     def _alive_cells(self, node: Node) -> dict[Pair, list[Bools]]:
         """Cell pairs (cells, cells) at each step."""
         assert node.masks is not None
-        out: dict[Pair, list[Bools]] = {}
-        for p, masks in node.masks.items():
-            out[p] = []
-            for t, mask in enumerate(masks):
-                i, j = np.nonzero(mask)
-                found = np.zeros((self.problem.cells, self.problem.cells), bool)
-                found[node.rows[p[0]][t].cell[i], node.rows[p[1]][t].cell[j]] = True
-                out[p].append(found)
-        return out
+        return {
+            p: [
+                cells_of(mask, node.rows[p[0]][t], node.rows[p[1]][t], self.problem.cells)
+                for t, mask in enumerate(masks)
+            ]
+            for p, masks in node.masks.items()
+        }
 
     def _count(self, node: Node) -> int:
         return sum(int(v.sum()) for row in self._alive_cells(node).values() for v in row[1:])
 
     def _solve(self, node: Node, seconds: float) -> float:
         """Give the node to the solver; its bound."""
-        lower, upper = self.frame.bounds()
-        for n, row in enumerate(node.rows):
-            self.frame.choose(upper, n, node.taken[n])
-            for t in range(1, self.problem.steps + 1):
-                self.frame.confine(lower, upper, n, t, row[t].bounds())
-        for p, alive in self._alive_cells(node).items():
-            self.frame.keep_pairs(upper, p, alive)
+        lower, upper = self.frame.narrowed(node.taken, node.rows, self._alive_cells(node))
         return self.session.milp(lower, upper, seconds, 0.5 * self.session.options.gap)
 
     # -- plans --------------------------------------------------------------------------------
@@ -301,19 +293,12 @@ class Tree:
         return [self._child(node, n, part) for part in (own[:half], own[half:])]
 
     def _child(self, node: Node, n: int, part: tuple[int, ...]) -> Node:
-        index, rows = _everything(node), list(node.rows)
-        rows[n] = list(rows[n])
-        for t in range(1, self.problem.steps + 1):
-            layer = rows[n][t]
-            bits = reach_bits(
-                self.problem.bodies[n], self.tubes[n], part, t, layer.x, layer.y, layer.ix,
-                layer.iy,
-            )  # fmt: skip
-            index[n][t] = np.flatnonzero(bits[layer.bit, np.arange(len(layer))])
-            x, y = drawn_in(self.tubes[n], part, t, layer.x, layer.y)
-            rows[n][t] = replace(layer, x=x, y=y)
+        index = _everything(node)
+        row, index[n] = with_choice(self.problem.bodies[n], self.tubes[n], part, node.rows[n])
         taken = tuple(part if k == n else t for k, t in enumerate(node.taken))
-        return _kept(replace(node, taken=taken, rows=rows, tried=False), index)
+        child = _kept(replace(node, taken=taken, tried=False), index)
+        child.rows[n] = row
+        return child
 
     def _halves(self, node: Node) -> list[Node]:
         """Split the widest spread of an agent's positions along an axis."""

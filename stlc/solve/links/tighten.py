@@ -8,7 +8,7 @@ from stlc.solve.links.arcs import Arcs
 from stlc.solve.links.ascent import ascend
 from stlc.solve.links.cuts import best_cut
 from stlc.solve.links.joint import Joint
-from stlc.solve.links.layers import restrict, sloped
+from stlc.solve.links.layers import cells_of, restrict, sloped
 from stlc.solve.links.node import Node
 from stlc.solve.links.problem import Bools, Floats
 from stlc.solve.links.restrict import potentials, relax
@@ -125,20 +125,12 @@ class Tightener:
         ]
         node.layers = (rows[0], rows[1])
         node.masks = [m[np.ix_(kept[0][t], kept[1][t])] for t, m in enumerate(alive)]
-        cells, pairs = self.problem.cells, []
-        for t, mask in enumerate(node.masks):
-            out = np.zeros((cells, cells), bool)
-            i, k = np.nonzero(mask)
-            out[rows[0][t].cell[i], rows[1][t].cell[k]] = True
-            pairs.append(out)
-        node.pairs = pairs
+        node.pairs = [
+            cells_of(mask, rows[0][t], rows[1][t], self.problem.cells)
+            for t, mask in enumerate(node.masks)
+        ]
 
     def bounds(self, node: Node) -> tuple[Floats, Floats]:
-        lower, upper = self.frame.bounds()
-        for n in (0, 1):
-            self.frame.choose(upper, n, node.taken[n])
-            for t in range(1, self.problem.steps + 1):
-                self.frame.confine(lower, upper, n, t, node.layers[n][t].bounds())
+        """Column bounds of the full model with what is left of a node."""
         assert node.pairs is not None
-        self.frame.keep_pairs(upper, (0, 1), node.pairs)
-        return lower, upper
+        return self.frame.narrowed(node.taken, node.layers, {(0, 1): node.pairs})
