@@ -72,7 +72,7 @@ def _scip(files: Files, options: SolveOptions, more: Sequence[str]) -> list[str]
     )
     pairs = zip(settings[::2], settings[1::2], strict=True)
     commands = [
-        f"read {files.model}", "set presolving donotmultaggr TRUE",  # see scip.py
+        f"read {files.model}", "set presolving donotmultaggr TRUE",  # `_SOUND` in scip.py
         *(f"{key} {value}" for key, value in pairs), *more,
         "optimize", f"write solution {files.solution}", "quit",
     ]  # fmt: skip
@@ -116,9 +116,12 @@ def _gurobi(files: Files, options: SolveOptions, more: Sequence[str]) -> list[st
 def _fscip(files: Files, options: SolveOptions, more: Sequence[str]) -> list[str]:
     limit = "" if options.time_limit is None else f"TimeLimit = {options.time_limit}\n"
     files.settings.write_text(f"Quiet = TRUE\n{limit}")
-    threads = _given(("-sth", options.threads))
+    scip = files.settings.with_suffix(".set")
+    scip.write_text("presolving/donotmultaggr = TRUE\n")  # `_SOUND` in scip.py
+    roles = ("-sl", "-sr", "-s")  # SCIP as load coordinator, at the root, in every solver
     return [
-        str(files.settings), str(files.model), "-fsol", str(files.solution), *threads, *more
+        str(files.settings), str(files.model), *_given(*((role, scip) for role in roles)),
+        "-fsol", str(files.solution), *_given(("-sth", options.threads)), *more,
     ]  # fmt: skip
 
 
