@@ -15,6 +15,7 @@ from stlc.errors import MissionError, StlcError
 
 if TYPE_CHECKING:
     from stlc.diagnostics import Diagnostic
+    from stlc.milp.compile import Compiled, CompileOptions
     from stlc.mission import Mission
 
 Style = Literal["text", "json", "sarif", "github"]
@@ -111,6 +112,16 @@ def load(file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...]) -> M
     if mission.warnings:
         show_diagnostics(mission.warnings)
     return mission
+
+
+def compiled_model(mission: Mission, options: CompileOptions) -> Compiled:
+    """The compiled mission; its warnings go to standard error."""
+    from stlc.milp.compile import compile_mission
+
+    compiled = compile_mission(mission, options)
+    if compiled.warnings:
+        show_diagnostics(compiled.warnings)
+    return compiled
 
 
 def solver_options(command: Callable[..., Any]) -> Callable[..., Any]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stlc.cli.common import load, mission_options, show_diagnostics
+from stlc.cli.common import compiled_model, load, mission_options
 
 if TYPE_CHECKING:
     from stlc.milp.model import Model
@@ -50,14 +50,11 @@ def compile_command(
     Beside OUT stands OUT.names.json, which maps every row and column to its place in FILE;
     `stlc read-solution FILE SOL` turns the solver's answer back into a plan.
     """
-    from stlc.milp.compile import compile_mission
     from stlc.milp.encodings import compile_options
     from stlc.milp.statistics import statistics, statistics_text
 
     mission = load(file, define, allow_path)
-    compiled = compile_mission(mission, compile_options(encoding, disable, print_after, _show))
-    if compiled.warnings:
-        show_diagnostics(compiled.warnings)
+    compiled = compiled_model(mission, compile_options(encoding, disable, print_after, _show))
     if output is not None:
         from stlc.milp.writers import write_model
 

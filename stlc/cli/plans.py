@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from stlc.cli.common import load, mission_options
+from stlc.cli.common import compiled_model, load, mission_options
 from stlc.errors import DisagreementError, ViolationError
 
 
@@ -72,14 +72,13 @@ def read_solution_command(
     compiled with the same options.
     """
     from stlc.backends.base import Solution, Status
-    from stlc.milp.compile import compile_mission
     from stlc.milp.encodings import compile_options
     from stlc.milp.readers import read_solution
     from stlc.milp.writers import safe_names
     from stlc.solve.driver import judge_point
 
     mission = load(file, define, allow_path)
-    compiled = compile_mission(mission, compile_options(encoding, disable))
+    compiled = compiled_model(mission, compile_options(encoding, disable))
     x = read_solution(solution, safe_names(compiled.model)[0])
     claim = Solution(Status.FEASIBLE, x, compiled.model.objective(x), solver=solution.name)
     plan, report = judge_point(mission, compiled, claim)

@@ -16,7 +16,13 @@ from stlc.errors import (
     NoPlanError,
 )
 from stlc.solve.driver import judge_point
-from stlc.solve.events import DiagnosticEvent, Listener, ProgressEvent, StatusEvent
+from stlc.solve.events import (
+    DiagnosticEvent,
+    Listener,
+    ProgressEvent,
+    StatusEvent,
+    tell_warnings,
+)
 from stlc.solve.keeper import Keeper
 from stlc.solve.race import Finish, Lap, Race, Racer, race
 
@@ -62,6 +68,7 @@ class Contest:
         Raises InfeasibleError (confirmed by a second solver), NoPlanError, InterruptedSolveError
         when stopped with nothing in hand, and DisagreementError when the verifier refuses a plan.
         """
+        tell_warnings((w for c in self.compiled.values() for w in c.warnings), self.listen)
         self.listen(StatusEvent("solve", "racing " + ", ".join(r.name for r in self.racers)))
         self._keepers = {r.name: self._keeper(r) for r in self.racers}
 

@@ -30,6 +30,7 @@ from stlc.solve.events import (
     StatisticsEvent,
     StatusEvent,
     ignore,
+    tell_warnings,
 )
 from stlc.solve.keeper import Keeper
 from stlc.solve.supervise import Supervisor
@@ -133,8 +134,7 @@ def solve_mission(
     began = time.perf_counter()
     listen(StatusEvent("compile", mission.source.name))
     compiled = compile_mission(mission, settings.compile)
-    for warning in compiled.warnings:
-        listen(DiagnosticEvent("warning", f"{warning}; {warning.label_text}"))
+    tell_warnings(compiled.warnings, listen)
     now = time.perf_counter()
     label = encoding_label(settings.compile)
     job = _Job(mission, settings, compiled, backend, listen, should_stop, now, label)

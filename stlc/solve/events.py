@@ -7,8 +7,11 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import ClassVar, Protocol
+
+from stlc.diagnostics import Diagnostic
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +78,12 @@ class Listener(Protocol):
 
 def ignore(event: Event, /) -> None:
     """The listener that says nothing."""
+
+
+def tell_warnings(warnings: Iterable[Diagnostic], listen: Listener) -> None:
+    """The warnings of a compiled mission as events, none of them twice."""
+    for text in dict.fromkeys(f"{warning}; {warning.label_text}" for warning in warnings):
+        listen(DiagnosticEvent("warning", text))
 
 
 def to_ndjson(event: Event) -> str:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.command import inside as stlc
+from support.outside import solvers
 
 from stlc.errors import MissionError
 from stlc.milp.big_m import leaky_big_ms
@@ -79,8 +80,17 @@ def test_commands_tell_it(tmp_path: Path) -> None:
     done = stlc("compile", "wide.stl", "-o", "m.mps", folder=tmp_path)
     assert done.returncode == 0
     assert "W1101" in done.stderr
+    told = "wide.stl:6:1: warning[W1101]: `require visit` makes a big-M"
     done = stlc("solve", "wide.stl", folder=tmp_path)
     assert done.returncode == 0
-    assert "wide.stl:6:1: warning[W1101]: `require visit` makes a big-M" in done.stderr
+    assert told in done.stderr
+    words = ("race", "wide.stl", "--with", "highs:auto,scipy:auto")
+    done = stlc(*words, folder=tmp_path)
+    assert done.returncode == 0
+    assert done.stderr.count(told) == 1
+    solvers()["HiGHS"](tmp_path / "m.mps", tmp_path / "m.sol")
+    done = stlc("read-solution", "wide.stl", "m.sol", folder=tmp_path)
+    assert done.returncode == 0
+    assert "W1101" in done.stderr
     (tmp_path / "wider.stl").write_text(MISSION.format(size=2e6, margin=""))
     assert stlc("solve", "wider.stl", folder=tmp_path).returncode == 1
