@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import click
 
-from stlc.cli.common import load, mission_options, show_diagnostics
+from stlc.cli.common import complain, load, mission_options, show_diagnostics
 from stlc.diagnostics import Diagnostic, Note
 from stlc.errors import InfeasibleError, NoPlanError
 
@@ -62,7 +62,7 @@ def explain_mission(mission: Mission, backend: str, time_limit: float) -> int:
 
     result = explain(mission, backend=backend, time_limit=time_limit, grace=_GRACE)
     if not isinstance(result, Verdict):
-        show_diagnostics([_diagnostic(result)])
+        _show(result)
         return InfeasibleError.exit_status
     if result is Verdict.FEASIBLE:
         click.echo("no conflict: the requirements can be satisfied together")
@@ -82,10 +82,20 @@ def show_conflict(mission: Mission, backend: str, seconds: float, told: str) -> 
         mission, backend=backend, time_limit=limit, total=seconds, proven=True, grace=_GRACE
     )
     if not isinstance(result, Verdict):
-        show_diagnostics([_diagnostic(result, told)])
+        _show(result, told)
 
 
-def _diagnostic(conflict: Conflict, told: str = "") -> Diagnostic:
+def _show(conflict: Conflict, told: str = "") -> None:
+    """The clauses that conflict; without any, starts, dynamics and bounds rule out every run."""
+    if conflict.clauses:
+        return show_diagnostics([_diagnostic(conflict, told)])
+    known = "" if told and told in conflict.confirmation else f" ({conflict.confirmation})"
+    complain(
+        f"no requirement is to blame: starts, dynamics and bounds alone rule out every run{known}"
+    )
+
+
+def _diagnostic(conflict: Conflict, told: str) -> Diagnostic:
     clauses = list(zip(conflict.clauses, conflict.spans, strict=True))
     several = len(clauses) > 1
     remarks = [Note(f"with this: `{c.name}`", span) for c, span in clauses[1:]]

@@ -58,6 +58,22 @@ def test_interval_proofs_are_explained_too(tmp_path: Path) -> None:
     assert done.stderr.count("no value of vx is left") == 1  # not told again by the explanation
 
 
+def test_a_mission_that_motion_alone_rules_out(tmp_path: Path) -> None:
+    """Too fast to stay within the workspace, whatever is required."""
+    (tmp_path / "c.stl").write_text(
+        "horizon 3\nworkspace box [0, 6] x [0, 6]\n"
+        "agent a : double_integrator { start (5, 1, 2, 0); control |u| <= 1 }\n"
+        "require go: eventually a.x >= 1 m\nminimize effort\n"
+    )
+    done = stlc("solve", "c.stl", "--progress", "none", folder=tmp_path)
+    assert done.returncode == 3
+    assert "no requirement is to blame" in done.stderr
+    assert done.stderr.count("no value of px is left") == 1
+    asked = stlc("explain", "c.stl", folder=tmp_path)
+    assert asked.returncode == 3
+    assert "no value of px is left" in asked.stderr
+
+
 WRONG = {
     "a missing file": (("solve", "none.stl"), 2, "none.stl"),
     "an unknown backend": (("solve", "m.stl", "--backend", "higs"), 2, "did you mean 'highs'"),
