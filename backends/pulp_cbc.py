@@ -9,17 +9,16 @@ import time
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from stlc.backends import cbc_log
 from stlc.backends.base import Capability, Solution, SolveOptions, Status
-from stlc.backends.pulp_model import build
+from stlc.backends.pulp_model import FileProblem
 from stlc.backends.support import (
     claimed_bound,
     ignored,
     infeasible_or_unbounded,
     missing,
-    point,
     require,
     trivial,
 )
@@ -61,20 +60,20 @@ class PulpCbc:
         if (answer := trivial(self, model, options)) is not None:
             return answer
         began = time.perf_counter()
-        problem, variables = build(model, options.start)
-        log = _run(problem, options, integer=bool(model.integrality.any()))
+        problem = FileProblem(model, options.start)
+        log = _run(problem, options)
         status = _status(problem)
         if status is Status.UNBOUNDED or (status is Status.INFEASIBLE and "unbounded" in log):
             status = infeasible_or_unbounded(self, model, options)
         has_point = status in (Status.OPTIMAL, Status.FEASIBLE)
-        x = point([v.varValue for v in variables], model.columns, "CBC") if has_point else None
+        x = problem.x if has_point else None
         objective = None if x is None else model.objective(x)
         bound = cbc_log.bound(log) if has_point else None
         return Solution(
             status,
             x,
             objective,
-            claimed_bound(status, objective, options) if bound is None else bound + model.offset,
+            claimed_bound(status, objective, options) if bound is None else bound,
             cbc_log.nodes(log),
             time.perf_counter() - began,
             self.name,
@@ -97,7 +96,7 @@ def _binary_version(path: str) -> str:
     return cbc_log.version(run.stdout)
 
 
-def _run(problem: Any, options: SolveOptions, *, integer: bool) -> str:
+def _run(problem: FileProblem, options: SolveOptions) -> str:
     import pulp
 
     extra = [f"{key} {value}" for key, value in options.extra.items()]
@@ -106,19 +105,19 @@ def _run(problem: Any, options: SolveOptions, *, integer: bool) -> str:
     with tempfile.TemporaryDirectory(prefix="stlc-") as folder:
         log = Path(folder) / "cbc.log"
         solver = pulp.COIN_CMD(
-            path=bundled_cbc(), msg=False, mip=integer, timeLimit=options.time_limit,
-            gapRel=options.gap, threads=options.threads, options=extra, logPath=str(log),
-            warmStart=options.start is not None,
+            path=bundled_cbc(), msg=False, mip=bool(problem.model.integrality.any()),
+            timeLimit=options.time_limit, gapRel=options.gap, threads=options.threads,
+            options=extra, logPath=str(log), warmStart=options.start is not None,
         )  # fmt: skip
         solver.tmpDir = folder
         try:
-            problem.solve(solver)
+            solver.actualSolve(problem)
         except pulp.PulpSolverError as error:
             raise SolverError(f"PuLP: {error}") from error
         return log.read_text(errors="replace")
 
 
-def _status(problem: Any) -> Status:
+def _status(problem: FileProblem) -> Status:
     """PuLP's `status` says Optimal at a time limit; `sol_status` tells the truth.
 
     The other way round for CBC's 'Integer infeasible', which `sol_status` does not know.
@@ -140,7 +139,7 @@ def _status(problem: Any) -> Status:
             return Status.FAILED
 
 
-def _claim(problem: Any) -> str:
+def _claim(problem: FileProblem) -> str:
     import pulp
 
     return str(pulp.LpSolution[problem.sol_status])

@@ -32,9 +32,10 @@ def _mip(model: Model) -> object:
 
 
 def _pulp(model: Model) -> object:
-    from stlc.backends.pulp_cbc import build
+    from stlc.backends.pulp_model import FileProblem
 
-    return build(model)
+    with tempfile.TemporaryDirectory() as folder:
+        return FileProblem(model).writeMPS(f"{folder}/model.mps", rename=1)
 
 
 def _cvxpy(model: Model) -> object:
