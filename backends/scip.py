@@ -1,4 +1,4 @@
-"""SCIP by pyscipopt. It reads our own MPS: five times faster than building expressions."""
+"""SCIP by pyscipopt. It reads our own LP file: faster than MPS, much faster than expressions."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from stlc.backends.support import (
 )
 from stlc.errors import SolverError
 from stlc.milp.model import Model
-from stlc.milp.writers.mps import mps_bytes
+from stlc.milp.writers.lp import lp_chunks
 from stlc.milp.writers.names import plain_texts
 
 
@@ -124,8 +124,9 @@ def _loaded(model: Model) -> Any:
     scip = _scip().Model()
     scip.hideOutput()
     with tempfile.TemporaryDirectory(prefix="stlc-") as folder:
-        path = Path(folder) / "model.mps"
-        path.write_bytes(mps_bytes(model, *plain_texts(model)))
+        path = Path(folder) / "model.lp"
+        with path.open("wb") as stream:
+            stream.writelines(lp_chunks(model, *plain_texts(model)))
         scip.readProblem(str(path))
     return scip
 
