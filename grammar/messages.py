@@ -28,7 +28,8 @@ MESSAGES: Final[tuple[Message, ...]] = (
     Message(
         ("require reach always x > 0", "require reach eventually[0, 5] x > 0",
          "require reach next x > 0", "require reach not x > 0", "require reach x > 0",
-         "require reach forall a in agents: a in g", "require reach 3"),
+         "require reach forall a in agents: a in g", "require reach 3",
+         "require reach = always x > 0"),
         "`:` is missing after the requirement's name",
         "expected `:` before this",
         "write `require name: formula`, or `require: formula` without a name",
@@ -246,6 +247,19 @@ MESSAGES: Final[tuple[Message, ...]] = (
         "expected `,` or `]`",
         "write `box [x0, x1] x [y0, y1]`",
         any_token=True,
+    ),
+    Message(
+        ("region g = box [0, ] x [0, 1]", "region g = box [, 1] x [0, 1]",
+         "region g = box [0, 1] x [0, ]", "region g = box [0, 1] x [, 1]"),
+        "a side of a box has two ends",
+        "expected a number here",
+        "write `box [x0, x1] x [y0, y1]`",
+    ),
+    Message(
+        ("minimize x, y", "maximize x, y"),
+        "costs are added up",
+        "expected `+`",
+        "write `minimize effort + 0.1 * link_cost(radio)`, or two statements",
     ),
     Message(
         ("region g = polygon (1) (2, 3)", "region g = polygon (1 2) (2, 3)"),

@@ -75,7 +75,7 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
     report, shaper = scope.report, Shaper(scope, files)
     _step(_single(statements, ast.Step, report), scope)
     _each(_of(statements, ast.Param), lambda s: scope.value(s.value), report)
-    _workspace(_single(statements, ast.Workspace, report), shaper)
+    _workspace(_single(statements, ast.Workspace, report), file.source.text, shaper)
     _each(_first(statements, ast.RegionDecl, scope), shaper.region, report)
     _each(_first(statements, ast.ObstacleDecl, scope), shaper.obstacle, report)
     first = _first(statements, ast.DynamicsDecl, scope)
@@ -122,13 +122,18 @@ def _declare_names(statements: list[ast.Statement], scope: Scope) -> None:
 
 
 _DECLARES = re.compile(
-    r"^[ \t]*(?:param|dynamics|agent|station|region|obstacle|channel|let|signal)\s+(\w+)", re.M
+    r"^[ \t]*(?:param|dynamics|agent|station|region|obstacle|(channel)|let|signal)\s+(\w+)", re.M
 )
+_WORKSPACE = re.compile(r"^[ \t]*workspace\b", re.M)
 
 
 def _unread_names(text: str, scope: Scope) -> set[str]:
-    """Names whose declaration has a syntax error: using them is no further mistake."""
-    return {m[1] for m in _DECLARES.finditer(text)} - scope.declarations.keys()
+    """Names whose declaration has a syntax error: using them is no further mistake.
+
+    `channel` is among them if a channel is, since a mission's only channel need not be named.
+    """
+    unread = [m for m in _DECLARES.finditer(text) if m[2] not in scope.declarations]
+    return {word for match in unread for word in match.groups() if word}
 
 
 def _declare(name: ast.Ident, statement: ast.Statement, scope: Scope) -> None:
@@ -197,14 +202,17 @@ def _horizon(statement: ast.Horizon | None, scope: Scope) -> int | None:
     return 1
 
 
-def _workspace(statement: ast.Workspace | None, shaper: Shaper) -> None:
+def _workspace(statement: ast.Workspace | None, text: str, shaper: Shaper) -> None:
+    scope = shaper.scope
     if statement is None:
+        scope.unread_workspace = bool(scope.report.errors and _WORKSPACE.search(text))
         return
-    with shaper.scope.report.guard():
+    scope.unread_workspace = True
+    with scope.report.guard():
         pieces = shaper.pieces(statement.shape)
         if len(pieces) != 1:
             raise Mistake(NotConvex(span=statement.shape.span))
-        shaper.scope.workspace = pieces[0]
+        scope.workspace, scope.unread_workspace = pieces[0], False
 
 
 def _unused_lets(lets: list[ast.Let], scope: Scope) -> None:

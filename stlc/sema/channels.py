@@ -125,6 +125,12 @@ def _partition(
     if item is None:
         why = "cells are what a channel is tabulated on"
         raise Mistake(missing(statement.name.text, "partition", why, statement.name.span))
+    if scope.unread_workspace:
+        raise Reported
+    if scope.workspace is None:
+        problem, hint = "a partition needs a workspace", "add `workspace box [0, 10] x [0, 10]`"
+        name = statement.name.text
+        raise Mistake(BadChannel(span=item.span, channel=name, problem=problem, hint=hint))
     return partition(item, model, scope)
 
 

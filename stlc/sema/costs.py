@@ -11,7 +11,7 @@ from stlc.sema.channel_errors import BadChannel, BadLink
 from stlc.sema.links import missing, only_channel
 from stlc.sema.name_errors import UnknownName, WrongKind
 from stlc.sema.objective_errors import BadObjective
-from stlc.sema.report import Mistake, Reported, suggested_fix, suggestion
+from stlc.sema.report import Mistake, Reported, nearest, suggested_fix, suggestion
 from stlc.sema.scope import Scope, as_scalar
 from stlc.sema.time_errors import ReversedInterval
 from stlc.sema.values import ChannelName, Env, Items, Radio, Value, describe
@@ -65,7 +65,10 @@ def cost_term(expr: ast.Expr, weight: float, env: Env, scope: Scope) -> Objectiv
                 raise Mistake(BadObjective(span=expr.span, problem="robustness isn't a cost"))
             return replace(inner, normalised=True, span=expr.span)
     problem = "a constant adds nothing" if isinstance(expr, ast.Number) else "this is not a cost"
-    raise Mistake(BadObjective(span=expr.span, problem=problem))
+    near = nearest(name, COSTS)
+    if name in scope.declarations or near is None:
+        raise Mistake(BadObjective(span=expr.span, problem=problem))
+    raise Mistake(BadObjective(span=expr.span, problem=problem, hint=f"did you mean `{near}`?"))
 
 
 def _head(expr: ast.Expr) -> tuple[str, tuple[ast.Expr, ...]]:

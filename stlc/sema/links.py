@@ -120,6 +120,8 @@ def only_channel(span: Span, scope: Scope) -> str:
     names = [n for n, d in scope.declarations.items() if isinstance(d, ast.ChannelDecl)]
     if len(names) == 1:
         return names[0]
+    if not names and "channel" in scope.broken:
+        raise Reported
     if not names:
         hint = "declare one: `channel radio { path_loss L0 = -40 dBm, n = 2; partition 10 x 10 }`"
         raise Mistake(WhichChannel(span=span, found="the mission has no channel", hint=hint))

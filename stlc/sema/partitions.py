@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stlc.sema import props
-from stlc.sema.channel_errors import BadChannel
 from stlc.sema.geometry import bounds
-from stlc.sema.report import Mistake
 from stlc.sema.scope import Scope
 from stlc.sema.units import DB, METRE
 from stlc.sema.values import Items
@@ -64,10 +62,7 @@ def _quadtree(
 def _grid(item: ast.Property, args: tuple[ast.Expr, ...], scope: Scope) -> Partition:
     from stlc.radio.partition import grid
 
-    if scope.workspace is None:
-        hint = "add `workspace box [0, 10] x [0, 10]`"
-        problem = "a partition needs a workspace"
-        raise Mistake(BadChannel(span=item.span, channel="", problem=problem, hint=hint))
+    assert scope.workspace is not None, "the channel was refused"
     x_lo, x_hi, y_lo, y_hi = bounds([scope.workspace])
     if len(args) != 2:
         raise props.bad(item, "needs cells along x and along y", USAGE)

@@ -9,7 +9,7 @@ import numpy as np
 
 from stlc.mission import Array
 from stlc.sema.name_errors import BadProperty, Redeclared, UnknownProperty
-from stlc.sema.report import Mistake, suggested_fix, suggestion
+from stlc.sema.report import Mistake, nearest, suggested_fix, suggestion
 from stlc.sema.scope import EMPTY, Scope, as_scalar, wrong_unit
 from stlc.sema.shape_errors import MatrixShape
 from stlc.sema.units import Unit
@@ -78,8 +78,10 @@ def word(item: ast.Property, choices: Sequence[str], usage: str) -> str:
     expr = only(item, usage)
     text = expr.text if isinstance(expr, ast.Name) else expr.span.text.strip()
     if text not in choices:
-        hint = suggestion(text, list(choices), f"one of {', '.join(choices)}")
-        raise bad(item, f"can't be `{text}`: {hint}", usage, expr.span)
+        near = nearest(text, choices)
+        otherwise = "" if near else f": one of {', '.join(choices)}"
+        usage = f"{item.key.text} {near}" if near else usage
+        raise bad(item, f"can't be `{text}`{otherwise}", usage, expr.span)
     return text
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from difflib import get_close_matches
@@ -72,8 +72,11 @@ def with_note(diagnostic: Diagnostic, text: str, span: Span | None) -> Diagnosti
     return changed(diagnostic, notes=(*diagnostic.notes, Note(text, span)))
 
 
-def nearest(name: str, known: Iterator[str] | list[str] | tuple[str, ...]) -> str | None:
-    """The known name most like `name`, or None."""
+def nearest(name: str, known: Collection[str]) -> str | None:
+    """The known name most like `name`, or None; one that goes on where it ends is most like it."""
+    longer = [n for n in known if len(name) > 2 and n.startswith(f"{name}_")]
+    if len(longer) == 1:
+        return longer[0]
     found = get_close_matches(name, list(known), n=1, cutoff=0.6)
     return found[0] if found else None
 

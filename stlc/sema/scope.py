@@ -55,6 +55,7 @@ class Scope:
     depth: int = 0
     step: float = 1.0
     workspace: Polytope | None = None
+    unread_workspace: bool = False  # it is declared, with a mistake
     models: dict[str, Dynamics] = field(default_factory=dict)
     agents: dict[str, Agent] = field(default_factory=dict)
     stations: dict[str, Station] = field(default_factory=dict)

@@ -117,7 +117,7 @@ class NeverFromStart(Warn):
     code: ClassVar[str] = "W1010"
     title: ClassVar[str] = "requirement `{name}` can't hold from these starts"
     label: ClassVar[str] = "at best {best:.6g}, required {margin:g}"
-    help: ClassVar[str] = "begin its window later, `always[1, n]`, or move a start"
+    help: ClassVar[str] = "give it a window, `eventually[0, n]` or `always[1, n]`, or move a start"
     name: str
     best: float
     margin: float

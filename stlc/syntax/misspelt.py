@@ -8,11 +8,12 @@ from typing import Final
 from stlc.diagnostics import Diagnostic, Fix
 from stlc.source import Source
 from stlc.syntax.errors import BadNumber, SyntaxMistake
-from stlc.syntax.neighbours import BINARY, SHAPED, UNARY, word_terminals
+from stlc.syntax.neighbours import BINARY, SHAPED, TEMPORAL, UNARY, word_terminals
 from stlc.syntax.tokens import NAME, Token
 from stlc.syntax.units import nearest_unit
 
 _PAIRS: Final = {"RSQB": ("INDEX", "LSQB", "IVL"), "RPAR": ("CALL", "LPAR")}
+_SHAPES: Final = {"box": "box [x0, x1] x [y0, y1]", "polygon": "polygon (x, y) (x, y) (x, y)"}
 _AFTER_UNIT: Final = frozenset(
     {"$END", "AND", "OR", "IMPLIES", "IFF", "RPAR", "RSQB", "RBRACE", "SEP", "COMMA", "COLON"}
 )
@@ -56,6 +57,14 @@ def _shape(source: Source, tokens: list[Token], index: int) -> Diagnostic | None
     due = tokens[index - 2].kind in ("EQ", "ST_WORKSPACE", "PLUS") if index > 1 else False
     if tokens[0].kind not in SHAPED or before.kind != NAME or not due:
         return None
+    usage = _SHAPES.get(before.text)
+    if usage is not None:
+        return SyntaxMistake(
+            span=source.span(tokens[index].start, tokens[index].end),
+            what=f"`{tokens[index].text}` can't begin a {before.text}",
+            place=f"expected `{usage.split()[1][0]}`",
+            advice=f"write `{usage}`",
+        )
     if kind not in ("CALL", "LPAR", "LSQB", "INDEX", "NUMBER"):
         return None
     return SyntaxMistake(
@@ -75,6 +84,8 @@ def _binary(source: Source, token: Token) -> Diagnostic | None:
 def _unary(source: Source, tokens: list[Token], index: int) -> Diagnostic | None:
     """`evntually[0, 5] x > 0`, and `eventually(0, 5) x > 0`."""
     start = index - 1
+    if tokens[start].kind == "NUMBER" and tokens[start - 1].kind in TEMPORAL:
+        return _bare_time(source, tokens[start - 1], tokens[start])
     opening = _PAIRS.get(tokens[start].kind, ())
     while opening and start > 0 and tokens[start].kind not in opening:
         start -= 1
@@ -89,6 +100,16 @@ def _unary(source: Source, tokens: list[Token], index: int) -> Diagnostic | None
             advice=f"write `{word.text}[0, 5]`",
         )
     return _operator(source, word, UNARY)
+
+
+def _bare_time(source: Source, operator: Token, time: Token) -> Diagnostic:
+    """`eventually 15 x > 0`."""
+    return SyntaxMistake(
+        span=source.span(time.start, time.end),
+        what=f"the interval of `{operator.text}` stands in square brackets",
+        place="read as a formula",
+        advice=f"write `{operator.text}[0, {time.text}]`, from now until then",
+    )
 
 
 def _operator(source: Source, word: Token, kinds: frozenset[str]) -> Diagnostic | None:

@@ -119,10 +119,17 @@ class _Splitter:
             if len(self.open) > MAX_DEPTH:
                 span = self.source.span(token.start, token.end)
                 self._blame(NestingTooDeep(span=span, limit=MAX_DEPTH))
-        elif self.open and CLOSING[self.open[-1].text] == token.text:
+            return
+        if any(CLOSING[opened.text] == token.text for opened in self.open):
+            while CLOSING[self.open[-1].text] != token.text:
+                self._blame(self._unclosed(self.open.pop()))
             self.open.pop()
         else:
             self._blame(self._unmatched(token))
+
+    def _unclosed(self, token: Token) -> Diagnostic:
+        span = self.source.span(token.start, token.end)
+        return UnclosedBracket(span=span, opened=token.text, closing=CLOSING[token.text])
 
     def _unmatched(self, token: Token) -> Diagnostic:
         span = self.source.span(token.start, token.end)
@@ -137,9 +144,7 @@ class _Splitter:
 
     def _flush(self) -> Iterator[Chunk]:
         if self.open:
-            token = self.open[-1]
-            span = self.source.span(token.start, token.end)
-            self._blame(UnclosedBracket(span=span, opened=token.text, closing=CLOSING[token.text]))
+            self._blame(self._unclosed(self.open[-1]))
         chunk, self.chunk = self.chunk, Chunk()
         self.open.clear()
         self.previous = None

@@ -182,3 +182,33 @@ def test_costs_in_formulas() -> None:
 )
 def test_mistakes(channel: str, rest: str, code: str) -> None:
     assert codes(channel, rest) == [code]
+
+
+def titles(text: str) -> list[str]:
+    with pytest.raises(MissionError) as caught:
+        Mission.from_text(text)
+    return [d.title_text for d in caught.value.diagnostics]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        HEAD.replace("[0, 10]", "[0 10]") + LOSS + "partition 2 x 2\n}",
+        HEAD.replace("[0, 10]", "[10, 0]") + LOSS + "partition 2 x 2\n}",
+        HEAD + LOSS + "partition 2 x 2\nrequire: always rssi(a, b) >= -70 dBm",
+    ],
+)
+def test_a_broken_workspace_or_channel_is_one_mistake(text: str) -> None:
+    assert len(titles(text)) == 1
+
+
+def test_without_a_workspace_the_channel_says_so() -> None:
+    text = HEAD.replace("workspace box [0, 10] x [0, 4]", "") + LOSS + "partition 2 x 2\n}"
+    assert titles(text) == ["channel `radio`: a partition needs a workspace"]
+
+
+def test_a_word_that_ends_too_early_is_completed() -> None:
+    with pytest.raises(MissionError) as caught:
+        mission(f"{LOSS} partition 2 x 2; modulation oqpsk")
+    (found,) = caught.value.diagnostics
+    assert found.help_text == "write it as `modulation oqpsk_802_15_4`"

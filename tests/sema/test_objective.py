@@ -138,3 +138,10 @@ maximize robustness
 """
     )
     assert mission.warnings == ()
+
+
+def test_a_misspelt_cost_is_recognised() -> None:
+    with pytest.raises(MissionError) as caught:
+        terms("minimize efort")
+    (found,) = caught.value.diagnostics
+    assert found.help_text == "did you mean `effort`?"
