@@ -90,12 +90,15 @@ def leaky_big_ms(model: Model, requirements: Mapping[str, Requirement]) -> tuple
 
 def _largest_in_rows(model: Model) -> Floats:
     """The largest big-M of each row (m,), 0 where there is none."""
-    A, integer = model.A, model.integrality == 1
-    row = np.repeat(np.arange(model.rows), np.diff(A.indptr))
-    inside = integer[A.indices]
-    mixed = np.zeros(model.rows, dtype=bool)
-    mixed[row[~inside]] = True
     found = np.zeros(model.rows)
-    switches = inside & mixed[row]
-    np.maximum.at(found, row[switches], np.abs(A.data[switches]))
+    for rows, inside in model.row_slices():
+        counts = np.diff(model.A.indptr[rows.start : rows.stop + 1])
+        filled = np.flatnonzero(counts)
+        if not len(filled):
+            continue
+        starts = (np.cumsum(counts) - counts)[filled]
+        switch = model.integrality[model.A.indices[inside]] == 1
+        sizes = np.where(switch, np.abs(model.A.data[inside]), 0.0)
+        mixed = ~np.logical_and.reduceat(switch, starts)
+        found[rows.start + filled] = np.where(mixed, np.maximum.reduceat(sizes, starts), 0.0)
     return found

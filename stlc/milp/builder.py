@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stlc.milp.model import Block, Floats, Ints, Model, Origin
+from stlc.milp.rows import Rows
 
 
 @dataclass(slots=True)
@@ -19,10 +20,9 @@ class ModelBuilder:
     offset: float = 0.0
     origin: Origin = field(default_factory=lambda: Origin("mission"))
     _columns: int = 0
-    _rows: int = 0
+    _rows: Rows = field(default_factory=Rows)
     _col_parts: list[tuple[Floats, Floats, Floats, NDArray[np.uint8]]] = field(default_factory=list)
     _row_parts: list[tuple[Floats, Floats]] = field(default_factory=list)
-    _triplets: list[tuple[Ints, Ints, Floats]] = field(default_factory=list)
     _col_blocks: list[Block] = field(default_factory=list)
     _row_blocks: list[Block] = field(default_factory=list)
     _costs: list[tuple[Ints, Floats]] = field(default_factory=list)
@@ -36,7 +36,7 @@ class ModelBuilder:
     @property
     def rows(self) -> int:
         """Number of rows so far."""
-        return self._rows
+        return self._rows.count
 
     def add_columns(
         self,
@@ -52,10 +52,9 @@ class ModelBuilder:
         shape = tuple(shape)
         block = Block(self._unique(name), self._columns, shape, self.origin)
         size = block.size
-        spread = [
-            np.broadcast_to(np.asarray(v, dtype=float), shape).ravel() for v in (cost, lower, upper)
-        ]
-        self._col_parts.append((spread[0], spread[1], spread[2], np.full(size, integer, np.uint8)))
+        spread = [_spread(v, shape, size) for v in (cost, lower, upper)]
+        kind = np.broadcast_to(np.uint8(integer), (size,))
+        self._col_parts.append((spread[0], spread[1], spread[2], kind))
         self._col_blocks.append(block)
         self._columns += size
         return np.arange(block.start, block.start + size).reshape(shape)
@@ -83,12 +82,11 @@ class ModelBuilder:
             np.asarray(rows), np.asarray(cols), np.asarray(values, dtype=float)
         )
         size = int(r.max()) + 1 if count is None else count
-        block = Block(self._unique(name), self._rows, (size,), self.origin)
-        self._triplets.append((r.ravel() + self._rows, c.ravel(), v.ravel()))
+        block = Block(self._unique(name), self.rows, (size,), self.origin)
+        self._rows.add(r.ravel(), c.ravel(), v.ravel(), size, self._columns)
         bounds = [np.broadcast_to(np.asarray(b, dtype=float), (size,)) for b in (lower, upper)]
         self._row_parts.append((bounds[0], bounds[1]))
         self._row_blocks.append(block)
-        self._rows += size
         return np.arange(block.start, block.start + size)
 
     def add_dense_rows(
@@ -108,14 +106,8 @@ class ModelBuilder:
 
     def build(self) -> Model:
         """Freeze. Duplicates are summed, exact zeros dropped, indices sorted."""
-        from scipy.sparse import coo_matrix
-
+        matrix = self._rows.matrix(self._columns)
         cost, lower, upper, integrality = self._stack_columns()
-        rows, cols, values = self._stack_triplets()
-        matrix = coo_matrix((values, (rows, cols)), shape=(self._rows, self._columns)).tocsr()
-        matrix.sum_duplicates()
-        matrix.eliminate_zeros()
-        matrix.sort_indices()
         row_lower = np.concatenate([np.empty(0), *(p[0] for p in self._row_parts)])
         row_upper = np.concatenate([np.empty(0), *(p[1] for p in self._row_parts)])
         return Model(
@@ -133,14 +125,15 @@ class ModelBuilder:
             np.add.at(cost, cols, values)
         return cost, lower, upper, integrality
 
-    def _stack_triplets(self) -> tuple[Ints, Ints, Floats]:
-        empty = np.empty(0, np.int64)
-        rows = np.concatenate([empty, *(t[0] for t in self._triplets)])
-        cols = np.concatenate([empty, *(t[1] for t in self._triplets)])
-        values = np.concatenate([np.empty(0), *(t[2] for t in self._triplets)])
-        return rows, cols, values
-
     def _unique(self, name: str) -> str:
         count = self._used.get(name, 0)
         self._used[name] = count + 1
         return name if count == 0 else f"{name}__{count}"
+
+
+def _spread(value: ArrayLike, shape: tuple[int, ...], size: int) -> Floats:
+    """A value for each of `size` members; a number takes no space."""
+    array = np.asarray(value, dtype=float)
+    if array.ndim == 0:
+        return np.broadcast_to(array, (size,))
+    return np.broadcast_to(array, shape).ravel()

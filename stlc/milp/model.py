@@ -10,6 +10,7 @@ Every column and row belongs to a block (name, shape) and has an origin: the spa
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -100,6 +101,18 @@ class Model:
         """The block a row belongs to."""
         starts = [b.start for b in self.row_blocks]
         return self.row_blocks[bisect_right(starts, row) - 1]
+
+    def row_slices(self, nonzeros: int = 1 << 20) -> Iterator[tuple[slice, slice]]:
+        """Consecutive rows, and where their coefficients are in `A.data`: few rows at a time.
+
+        Each slice holds `nonzeros` coefficients at most, or is one row.
+        """
+        starts, first = self.A.indptr, 0
+        while first < self.rows:
+            fitting = int(np.searchsorted(starts, starts[first] + nonzeros, side="right")) - 1
+            last = max(fitting, first + 1)
+            yield slice(first, last), slice(int(starts[first]), int(starts[last]))
+            first = last
 
     def objective(self, x: Floats) -> float:
         """c'x + offset at x (n,)."""

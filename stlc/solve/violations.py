@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.milp.model import Floats, Model
+from stlc.milp.model import Floats, Ints, Model
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,11 +37,13 @@ class Violations:
 
 def violations(model: Model, x: Floats) -> Violations:
     """Largest violations of rows, bounds and integrality at x (n,), all absolute."""
-    wide = x.astype(np.longdouble)
-    activity, size = _activity(model, wide)
+    activity, size = _activity(model, x)
     rows = _outside(activity, model.row_lower, model.row_upper)
-    bounds = _outside(wide, model.col_lower, model.col_upper)
-    whole = np.where(model.integrality == 1, np.abs(wide - np.round(wide)), 0.0)
+    out = np.flatnonzero((x < model.col_lower) | (x > model.col_upper))
+    wide = x[out].astype(np.longdouble)
+    bounds = _outside(wide, model.col_lower[out], model.col_upper[out])
+    broken = np.flatnonzero((model.integrality == 1) & (x != np.round(x)))
+    whole = np.abs(x[broken].astype(np.longdouble) - np.round(x[broken]))
     return Violations(
         _largest(rows),
         _largest(bounds),
@@ -49,8 +51,8 @@ def violations(model: Model, x: Floats) -> Violations:
         _largest(rows / (1 + size)),
         _largest(bounds / (1 + np.abs(wide))),
         _row_name(model, rows),
-        _worst(model, bounds),
-        _worst(model, whole),
+        _column_name(model, out, bounds),
+        _column_name(model, broken, whole),
     )
 
 
@@ -63,11 +65,18 @@ def exact_objective(model: Model, x: Floats) -> float:
 _Wide = NDArray[Any]
 
 
-def _activity(model: Model, x: _Wide) -> tuple[_Wide, _Wide]:
-    """A x, and the sum of |a_ij x_j| of each row."""
-    A = model.A
-    terms = A.data.astype(np.longdouble) * x[A.indices]
-    return _row_sums(A.indptr, terms), _row_sums(A.indptr, np.abs(terms))
+def _activity(model: Model, x: Floats) -> tuple[_Wide, _Wide]:
+    """A x, and the sum of |a_ij x_j| of each row; terms of columns at 0 are passed over."""
+    A, used = model.A, x != 0
+    activity, size = np.zeros((2, model.rows), dtype=np.longdouble)
+    for rows, inside in model.row_slices():
+        columns = A.indices[inside]
+        which = np.flatnonzero(used[columns])
+        terms = A.data[inside][which].astype(np.longdouble) * x[columns[which]]
+        starts = np.searchsorted(which, A.indptr[rows.start : rows.stop + 1] - inside.start)
+        activity[rows] = _row_sums(starts, terms)
+        size[rows] = _row_sums(starts, np.abs(terms))
+    return activity, size
 
 
 def _row_sums(starts: NDArray[Any], terms: _Wide) -> _Wide:
@@ -87,10 +96,9 @@ def _largest(values: _Wide) -> float:
     return float(values.max()) if len(values) else 0.0
 
 
-def _worst(model: Model, values: _Wide) -> str | None:
-    if not len(values) or not values.any():
-        return None
-    return model.col_name(int(values.argmax()))
+def _column_name(model: Model, columns: Ints, values: _Wide) -> str | None:
+    """Name of the column with the largest value; `columns` (k,) are those of `values` (k,)."""
+    return model.col_name(int(columns[values.argmax()])) if len(values) else None
 
 
 def _row_name(model: Model, values: _Wide) -> str | None:

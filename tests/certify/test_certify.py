@@ -184,6 +184,7 @@ def test_violations_agree_with_fractions(seed: int) -> None:
     rng = np.random.default_rng(seed)
     model = knapsack(6, 4, seed)
     x = rng.normal(size=6) * 10.0 ** rng.integers(-3, 4)
+    x[rng.random(6) < 0.3] = 0.0
     exact = [Fraction(v) for v in x.tolist()]
     dense = model.A.toarray().tolist()
     sums = [sum(Fraction(a) * v for a, v in zip(row, exact, strict=True)) for row in dense]
@@ -195,5 +196,8 @@ def test_violations_agree_with_fractions(seed: int) -> None:
     )
     found = violations(model, x)
     assert found.rows == pytest.approx(float(worst), rel=1e-12, abs=1e-14)
+    off = np.maximum(model.col_lower - x, x - model.col_upper).clip(min=0)
+    assert found.bounds == pytest.approx(off.max())
+    assert (found.worst_column is None) == (not off.any())
     value = sum(Fraction(c) * v for c, v in zip(model.c.tolist(), exact, strict=True))
     assert exact_objective(model, x) == pytest.approx(float(value), rel=1e-14, abs=1e-14)

@@ -106,7 +106,8 @@ def bits_for(size: int) -> int:
 def join(builder: ModelBuilder, name: str, labels: Ints, cols: Ints, simplex: Simplex) -> None:
     """Rows: the columns with label i add up to s_i, for every i. labels and cols are (N,)."""
     size, width = simplex.cols.shape
-    rows = np.concatenate([labels, np.repeat(np.arange(size), width)])
-    entries = np.concatenate([cols, simplex.cols.ravel()])
-    values = np.concatenate([np.ones(len(cols)), -simplex.values.ravel()])
+    # Older columns first: rows in order of their columns need no sorting.
+    rows = np.concatenate([np.repeat(np.arange(size), width), labels])
+    entries = np.concatenate([simplex.cols.ravel(), cols])
+    values = np.concatenate([-simplex.values.ravel(), np.ones(len(cols))])
     builder.add_rows(name, rows, entries, values, simplex.constant, simplex.constant, count=size)
