@@ -22,16 +22,20 @@ _PLACES = (
     (1, -1, "left", "top"), (-1, -1, "right", "top"),
 )  # fmt: skip
 
+_MARK = 5.0  # points from a marker's middle to its border
+
 
 @dataclass(slots=True)
 class Labels:
     """Collects labels of an axes and places them one after the other.
 
-    `avoid` (K, 2) are data points that a label had better not cover.
+    `avoid` (K, 2) are data points that a label had better not cover; at `marks` (2,) there are
+    markers, which it covers no more than another label.
     """
 
     axes: Axes
     avoid: list[Array] = field(default_factory=list)
+    marks: list[Array] = field(default_factory=list)
     _wanted: list[tuple[str, Array, Array, dict[str, Any]]] = field(default_factory=list)
 
     def add(self, text: str, low: Array, high: Array, gap: float = 4.0, **style: Any) -> None:
@@ -44,7 +48,7 @@ class Labels:
         renderer = self.axes.figure.canvas.get_renderer()  # type: ignore[attr-defined]
         frame = self.axes.get_window_extent(renderer)
         points = self.axes.transData.transform(np.vstack(self.avoid)) if self.avoid else None
-        taken: list[Bbox] = []
+        taken = self._marked()
         for text, low, high, style in self._wanted:
             tried = []
             for order, place in enumerate(_PLACES):
@@ -55,6 +59,14 @@ class Labels:
             for _, _, artist, _ in tried[1:]:
                 artist.remove()
             taken.append(tried[0][3])
+
+    def _marked(self) -> list[Bbox]:
+        """The boxes of the markers, in pixels."""
+        from matplotlib.transforms import Bbox
+
+        half = _MARK * self.axes.figure.dpi / 72.0
+        spots = [self.axes.transData.transform(mark) for mark in self.marks]
+        return [Bbox([spot - half, spot + half]) for spot in spots]
 
     def _draw(
         self, text: str, low: Array, high: Array, place: tuple[int, int, str, str], style: Any

@@ -16,6 +16,7 @@ from stlc.verify.continuous import Path, paths
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.path import Path as Outline
 
 Array = NDArray[np.float64]
 
@@ -32,6 +33,7 @@ def draw_map(axes: Axes, mission: Mission, plan: Plan, look: Mapping[str, Look])
         if name in motion:
             curve = _agent(axes, motion[name], mission.horizon, look[name])
             labels.avoid.append(curve)
+            labels.marks += [curve[0], curve[-1]]
             labels.add(
                 name, curve[0], curve[0], 7.0,
                 color=look[name].colour, fontsize=SMALL, fontweight="bold",
@@ -57,6 +59,7 @@ def _surroundings(axes: Axes, mission: Mission, labels: Labels) -> None:
         x, y = station.position
         axes.plot(x, y, marker="^", markersize=10, color="white", markeredgecolor="black",
                   markeredgewidth=1.6, linestyle="", zorder=8)  # fmt: skip
+        labels.marks.append(station.position)
         labels.add(station.name, station.position, station.position, 8.0, fontsize=SMALL)
 
 
@@ -87,10 +90,22 @@ def _agent(axes: Axes, path: Path, horizon: int, look: Look) -> Array:
 
 
 def _fill(axes: Axes, pieces: Iterable[Polytope], **style: Any) -> None:
-    from matplotlib.patches import Polygon
+    from matplotlib.patches import PathPatch
 
-    for piece in pieces:
-        axes.add_patch(Polygon(piece.vertices, closed=True, **style))
+    axes.add_patch(PathPatch(_outline(pieces), **style))
+
+
+def _outline(pieces: Iterable[Polytope]) -> Outline:
+    """The border of a union of convex pieces, holes included, without the seams between them."""
+    import shapely
+    from matplotlib.path import Path as Outline
+
+    whole = shapely.union_all([shapely.Polygon(piece.vertices) for piece in pieces])
+    parts = shapely.get_parts(shapely.normalize(whole))  # holes run against their outer ring
+    rings = [ring for part in parts for ring in (part.exterior, *part.interiors)]
+    return Outline.make_compound_path(
+        *(Outline(np.asarray(ring.coords), closed=True) for ring in rings)
+    )
 
 
 def _label(labels: Labels, name: str, pieces: Sequence[Polytope], **style: Any) -> None:

@@ -214,6 +214,8 @@ def _draw_map(axes: Axes, summary: FitSummary) -> None:
 
 
 def _draw_residuals(axes: Axes, summary: FitSummary) -> None:
+    from matplotlib.ticker import LogFormatter
+
     tested = summary.tested.take(~summary.tested.censored)
     mean, _ = predict_samples(summary.fit.forecast, tested)
     alone, _ = predict_samples(summary.fit.path_loss, tested)
@@ -222,6 +224,8 @@ def _draw_residuals(axes: Axes, summary: FitSummary) -> None:
     axes.semilogx(distance, tested.rssi - mean, ".", ms=2, label="channel fitted to all")
     axes.axhline(0.0, color="k", lw=0.5)
     axes.set(title="residuals", xlabel="distance [m]", ylabel="measured - forecast [dB]")
+    axes.xaxis.set_major_formatter(LogFormatter())
+    axes.xaxis.set_minor_formatter(LogFormatter())
     axes.legend()
 
 

@@ -1,5 +1,6 @@
 """Pictures: right panels, true arcs, labels apart, clear errors."""
 
+import dataclasses
 from itertools import combinations
 from xml.etree import ElementTree
 
@@ -123,3 +124,30 @@ def test_errors(tmp_path):
     with pytest.raises(UsageError, match="the mission has r1, r2, r3"):
         plot_plan(build(3, channel=False)[0], plan, tmp_path / "plan.png")
     assert not list(tmp_path.iterdir())
+
+
+def signed_area(ring):
+    x, y = ring.T
+    return 0.5 * float(x[:-1] @ y[1:] - x[1:] @ y[:-1])
+
+
+def test_a_region_of_several_pieces_is_drawn_as_one_outline_with_its_hole():
+    there, plan = build(channel=False)
+    sides = box(1, 2, 1, 4), box(3, 4, 1, 4), box(1, 4, 1, 2), box(1, 4, 3, 4)
+    ring = dataclasses.replace(there, regions={"ring": Region("ring", sides)}, obstacles={})
+    axes = panel(plan_figure(ring, plan), "Trajectories")
+    _, patch = axes.patches  # the workspace first
+    outer, hole = patch.get_path().to_polygons()
+    assert (outer.min(), outer.max()) == (1, 4)
+    assert (hole.min(), hole.max()) == (2, 3)
+    assert signed_area(outer) * signed_area(hole) < 0
+
+
+def test_a_label_keeps_off_the_markers():
+    there, plan = build(channel=False)
+    here = plan.runs["r1"].states[0][:2]
+    around = Region("here", (box(here[0] - 0.1, here[0] + 0.1, here[1] - 0.1, here[1] + 0.1),))
+    figure = plan_figure(dataclasses.replace(there, regions={"here": around}), plan)
+    axes = panel(figure, "Trajectories")
+    (label,) = [text for text in axes.texts if text.get_text() == "here"]
+    assert not label.get_window_extent().contains(*axes.transData.transform(here))
