@@ -90,8 +90,8 @@ def certify(
     before = violations(model, x)
     _check_gross(solution, before, tolerance)
     _check_objective(model, solution, x)
-    rounded = _rounded(model, x)
-    after, polished = violations(model, rounded), False
+    rounded, polished = _rounded(model, x), False
+    after = before if np.array_equal(rounded, x) else violations(model, rounded)
     if not after.within(tolerance):
         rounded, polished = _polished(model, solution, rounded), True
         after = violations(model, rounded)
@@ -147,7 +147,8 @@ def _check_objective(model: Model, solution: Solution, x: Floats) -> None:
     if solution.objective is None:
         raise refusal(solution, "it returned a point without its objective")
     value = exact_objective(model, x)
-    scale = 1.0 + float(np.abs(model.c) @ np.abs(x)) + abs(model.offset)
+    used = np.flatnonzero(x)
+    scale = 1.0 + float(np.abs(model.c[used]) @ np.abs(x[used])) + abs(model.offset)
     if abs(value - solution.objective) > TOLERANCE * scale:
         raise refusal(
             solution, f"it claims objective {solution.objective:.12g}, its point has {value:.12g}"

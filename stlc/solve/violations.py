@@ -58,7 +58,8 @@ def violations(model: Model, x: Floats) -> Violations:
 
 def exact_objective(model: Model, x: Floats) -> float:
     """c'x + offset, summed in extended precision, rounded once."""
-    products = model.c.astype(np.longdouble) * x.astype(np.longdouble)
+    used = np.flatnonzero(x)
+    products = model.c[used].astype(np.longdouble) * x[used]
     return float(products.sum() + np.longdouble(model.offset))
 
 
