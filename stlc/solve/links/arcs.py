@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stlc.solve.links.boxes import AxisGrid, Edges, edge_min
+from stlc.solve.links.boxes import AxisGrid, Edges, corners
 from stlc.solve.links.chain import SAFETY
 from stlc.solve.links.layers import Layer
 from stlc.solve.links.problem import Body, Bools, Floats, Ints
@@ -100,7 +100,9 @@ class Arcs:
             count += len(i)
         self.parts = np.array(list(self._first.values()), np.int64)
         blend, jump, dear, turn = np.concatenate(costs).T
-        self.edges = Edges(np.concatenate(src), np.concatenate(dst), blend, jump, dear, turn)
+        self.blend = blend
+        edges = Edges(np.concatenate(src), np.concatenate(dst), blend, jump, dear, turn)
+        self.corners = corners(edges)
         self.leaves, self.enters = np.concatenate(ends, axis=1)
 
     # -- lists of pairs -------------------------------------------------------------------------
@@ -151,7 +153,7 @@ class Arcs:
     # -- values ---------------------------------------------------------------------------------
     def through(self) -> tuple[float, list[Floats]]:
         """Least value of all abstract runs, and of those through each pair of every stop."""
-        weights = edge_min(self.edges, *self.ends(self.slopes)) - SAFETY
+        weights = self.corners.least(*self.ends(self.slopes))[0] - SAFETY
         ahead, f = [np.zeros(1)], np.zeros(1)
         for q, hop in enumerate(self.hops):
             f = np.minimum.reduceat((f[hop.source] + weights[hop.edge])[hop.order], hop.first)

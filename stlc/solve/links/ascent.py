@@ -9,13 +9,16 @@ rest. With slopes of its own in every box this is the dual of a shortest path th
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from stlc.solve.links.arcs import Arcs
-from stlc.solve.links.boxes import cheapest, edge_min
 from stlc.solve.links.problem import Floats
 
 _MEMORY = 8  # steps that L-BFGS remembers
+_TRIES = 5  # of a line search
+_ENOUGH = 1e-4  # of the rise that the derivative promises
 _LEAST = 1e-300
 
 
@@ -24,27 +27,63 @@ def ascend(arcs: Arcs, heat: float, rounds: int) -> None:
 
     heat: in the unit of the cost; a small part of what the least value may still rise.
     """
-    from scipy.optimize import minimize
-
-    def fun(z: Floats) -> tuple[float, Floats]:
-        value, slips = smoothed(arcs, z.reshape(-1, 2), heat)
-        return -value, -slips.ravel()
-
     least, slopes = arcs.through()[0], arcs.slopes
     with np.errstate(all="ignore"):
-        found = minimize(
-            fun, slopes.ravel(), jac=True, method="L-BFGS-B",
-            options={"maxiter": rounds, "maxcor": _MEMORY},
-        )  # fmt: skip
-    if np.isfinite(found.x).all():
-        arcs.slopes = found.x.reshape(-1, 2)
+        found = _climbed(lambda z: smoothed(arcs, z, heat), slopes, heat, rounds)
+    if np.isfinite(found).all():
+        arcs.slopes = found
     if not arcs.through()[0] >= least:
         arcs.slopes = slopes
 
 
+def _climbed(
+    fun: Callable[[Floats], tuple[float, Floats]], z: Floats, lead: float, rounds: int
+) -> Floats:
+    """L-BFGS (Nocedal and Wright 2006, algorithm 7.5) with backtracking, towards the maximum of a
+    concave function. The first step is meant to rise by `lead`.
+
+    Of our own: every evaluation counts, and importing SciPy's costs as much as thirty of them.
+    """
+    value, slope = fun(z)
+    past: list[tuple[Floats, Floats]] = []
+    for _ in range(rounds):
+        way = _direction(slope, past, lead)
+        rise, length = _dot(slope, way), 1.0
+        for _ in range(_TRIES):
+            ahead, there = fun(z + length * way)
+            if ahead >= value + _ENOUGH * length * rise:
+                break
+            top = 0.5 * length * rise / (rise - (ahead - value) / length)
+            length = min(max(top, 0.1 * length), 0.5 * length)
+        else:
+            return z
+        past = [*past[1 - _MEMORY :], (length * way, slope - there)]
+        z, value, slope = z + length * way, ahead, there
+    return z
+
+
+def _direction(slope: Floats, past: list[tuple[Floats, Floats]], lead: float) -> Floats:
+    """The inverse of the curvature along `past` steps and changes of slope, times the slope."""
+    if not past:
+        return np.multiply(slope, lead / _dot(slope, slope))
+    way, shares = slope, list[float]()
+    for step, change in reversed(past):
+        shares.append(_dot(step, way) / _dot(step, change))
+        way = way - shares[-1] * change
+    step, change = past[-1]
+    way = way * (_dot(step, change) / _dot(change, change))
+    for (step, change), share in zip(past, reversed(shares), strict=True):
+        way = way + step * (share - _dot(change, way) / _dot(step, change))
+    return way
+
+
+def _dot(a: Floats, b: Floats) -> float:
+    return float(np.vdot(a, b))
+
+
 def smoothed(arcs: Arcs, slopes: Floats, heat: float) -> tuple[float, Floats]:
     """Soft minimum over all abstract runs, and its derivative by the slopes (boxes, 2)."""
-    value, at = cheapest(arcs.edges, *arcs.ends(slopes))
+    value, at = arcs.corners.cheapest(*arcs.ends(slopes))
     lowest, weights = _weights(arcs, value, heat)
     ahead, scales, logs = _forward(arcs, weights, heat)
     total = float(ahead[-1].sum())
@@ -54,7 +93,7 @@ def smoothed(arcs: Arcs, slopes: Floats, heat: float) -> tuple[float, Floats]:
 
 def shares(arcs: Arcs, heat: float) -> list[Floats]:
     """For every stop the share of runs through each of its pairs, weighed by exp(-value / heat)."""
-    value = edge_min(arcs.edges, *arcs.ends(arcs.slopes))
+    value = arcs.corners.least(*arcs.ends(arcs.slopes))[0]
     _, weights = _weights(arcs, value, heat)
     ahead, scales, _ = _forward(arcs, weights, heat)
     return _flow(arcs, weights, ahead, scales)[1]
@@ -74,7 +113,7 @@ def _forward(
     logarithm of all that scaling."""
     ahead, scales, logs = [np.ones(1)], list[Floats | float](), 0.0
     for q, hop in enumerate(arcs.hops):
-        f = np.add.reduceat((ahead[-1][hop.source] * weights[hop.edge])[hop.order], hop.first)
+        f = np.bincount(hop.target, ahead[-1][hop.source] * weights[hop.edge]).astype(np.float64)
         scale: Floats | float = 1.0
         if q % 4 == 3:
             cost = arcs.stops[(q + 1) // 4].cost
@@ -108,7 +147,7 @@ def _flow(
 def _slips(arcs: Arcs, flow: Floats, at: Floats) -> Floats:
     """By how much runs enter each box elsewhere than they leave it: (boxes, 2)."""
     p, v, w = at.T
-    blend, count = arcs.edges.blend, len(arcs.slopes)
+    blend, count = arcs.blend, len(arcs.slopes)
     entry = (p + (1 - blend) * v + blend * w, w)
     columns = [
         np.bincount(arcs.enters, flow * into, minlength=count)

@@ -119,56 +119,86 @@ class Edges:
     turn: Floats
 
 
-def edge_min(edges: Edges, a0: Floats, a1: Floats) -> Floats:
-    """(n,): least dear |w'| + turn |w' - w| + a1.(p', w') - a0.(p, w) over admissible steps.
-
-    a0, a1 (n, 2) are the slopes of the potentials at both ends. Borders are relaxed by EPS; inf
-    where no step is admissible.
-    """
-    return cheapest(edges, a0, a1)[0]
-
-
-@np.errstate(all="ignore")
-def cheapest(edges: Edges, a0: Floats, a1: Floats) -> tuple[Floats, Floats]:
-    """`edge_min`, and (n, 3) where it is: p, w, w'.
+@dataclass(frozen=True, slots=True, eq=False)
+class Corners:
+    """Admissible steps among which, whatever the slopes, one of the cheapest of each edge is.
 
     For fixed (w, w') the best p is an end of an interval; what remains is convex and piecewise
     linear in (w, w'), so its minimum lies on a vertex of the arrangement of border and kink lines.
+    `at` (5, k) holds w, w', p' - p and the interval of p at these vertices, `edge` (k,) whose they
+    are, sorted; `fixed` (k,) is dear |w'| + turn |w' - w|. Edges without any are inadmissible.
     """
+
+    count: int
+    edge: Ints
+    at: Floats
+    fixed: Floats
+
+    def least(self, a0: Floats, a1: Floats) -> tuple[Floats, Floats]:
+        """(n,): least dear |w'| + turn |w' - w| + a1.(p', w') - a0.(p, w) of each edge, inf where
+        no step is admissible; and the step of every vertex, (k,).
+
+        a0, a1 (n, 2) are the slopes of the potentials at both ends.
+        """
+        v, w, s, low, high = self.at
+        rise = (a1[:, 0] - a0[:, 0])[self.edge]
+        value = self.fixed + rise * np.where(rise >= 0, low, high) + a1[self.edge, 0] * s
+        value += a1[self.edge, 1] * w - a0[self.edge, 1] * v
+        first = np.flatnonzero(np.diff(self.edge, prepend=-1))
+        best = np.full(self.count, np.inf)
+        if len(first):
+            best[self.edge[first]] = np.minimum.reduceat(value, first)
+        return best, value
+
+    def cheapest(self, a0: Floats, a1: Floats) -> tuple[Floats, Floats]:
+        """`least`, and (n, 3) where it is: p, w, w'; anywhere where no step is admissible."""
+        best, value = self.least(a0, a1)
+        found = np.flatnonzero(value == best[self.edge])
+        index = np.zeros(self.count, np.int64)
+        index[self.edge[found]] = found
+        v, w, _, low, high = self.at[:, index]
+        return best, np.stack([np.where(a1[:, 0] >= a0[:, 0], low, high), v, w], axis=1)
+
+
+@np.errstate(all="ignore")
+def corners(edges: Edges) -> Corners:
+    """Borders are relaxed by EPS."""
     e, tol = edges, 4 * EPS
     v0, v1 = e.src[:, 2] - EPS, e.src[:, 3] + EPS
     w0, w1 = e.dst[:, 2] - EPS, e.dst[:, 3] + EPS
     s0, s1 = e.dst[:, 0] - e.src[:, 1] - EPS, e.dst[:, 1] - e.src[:, 0] + EPS
-    slope = a1[:, 0] - a0[:, 0]
-    rising = slope >= 0
-    best, at = np.full(len(slope), np.inf), np.zeros((3, len(slope)))
-    for v, w in _vertices(e, (v0, v1, w0, w1, s0, s1), rising):
+    owners, points = [np.empty(0, np.int64)], [np.empty((3, 0))]
+    for v, w in _vertices(e, (v0, v1, w0, w1, s0, s1)):
         s = (1 - e.blend) * v + e.blend * w
         fine = (v >= v0 - tol) & (v <= v1 + tol) & (w >= w0 - tol) & (w <= w1 + tol)
         fine &= (np.abs(w - v) <= e.jump + tol) & (s >= s0 - tol) & (s <= s1 + tol)
-        p = np.where(
-            rising, np.maximum(e.src[:, 0], e.dst[:, 0] - s),
-            np.minimum(e.src[:, 1], e.dst[:, 1] - s),
-        )  # fmt: skip
-        value = e.dear * np.abs(w) + e.turn * np.abs(w - v) + slope * p
-        value += a1[:, 0] * s + a1[:, 1] * w - a0[:, 1] * v
-        better = fine & (value < best)
-        np.copyto(best, value, where=better)
-        for row, found in zip(at, (p, v, w), strict=True):
-            np.copyto(row, found, where=better)
-    return best, at.T
+        found = np.flatnonzero(fine)
+        owners.append(found)
+        points.append(np.stack([v[found], w[found], s[found]]))
+    edge = np.concatenate(owners)
+    order = np.argsort(edge, kind="stable")
+    edge, (v, w, s) = edge[order], np.concatenate(points, axis=1)[:, order]
+    src, dst = e.src[edge], e.dst[edge]
+    low, high = np.maximum(src[:, 0], dst[:, 0] - s), np.minimum(src[:, 1], dst[:, 1] - s)
+    fixed = e.dear[edge] * np.abs(w) + e.turn[edge] * np.abs(w - v)
+    return Corners(len(e.blend), edge, np.stack([v, w, s, low, high]), fixed)
 
 
-def _vertices(e: Edges, ends: tuple[Floats, ...], rising: Bools) -> Iterator[tuple[Floats, Floats]]:
+def edge_min(edges: Edges, a0: Floats, a1: Floats) -> Floats:
+    """`Corners.least` of edges that are asked once."""
+    return corners(edges).least(a0, a1)[0]
+
+
+def _vertices(e: Edges, ends: tuple[Floats, ...]) -> Iterator[tuple[Floats, Floats]]:
     """(w, w') where two lines cross; nan or inf where they are parallel."""
     v0, v1, w0, w1, s0, s1 = ends
-    kink = np.where(rising, e.dst[:, 0] - e.src[:, 0], e.dst[:, 1] - e.src[:, 1])
-    one, zero = np.ones(len(kink)), np.zeros(len(kink))
+    one, zero = np.ones(len(v0)), np.zeros(len(v0))
     rest, blend = 1 - e.blend, e.blend
     lines = [
         (one, zero, v0), (one, zero, v1), (zero, one, w0), (zero, one, w1),
         (-one, one, -e.jump), (-one, one, e.jump), (rest, blend, s0), (rest, blend, s1),
-        (zero, one, zero), (-one, one, zero), (rest, blend, kink),
+        (zero, one, zero), (-one, one, zero), (rest, blend, e.dst[:, 0] - e.src[:, 0]),
+        (rest, blend, e.dst[:, 1] - e.src[:, 1]),
     ]  # fmt: skip
     for m, (c0, c1, d0) in enumerate(lines):
         for e0, e1, d1 in lines[:m]:

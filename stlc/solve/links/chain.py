@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stlc.solve.links.boxes import Edges, edge_min
+from stlc.solve.links.boxes import Edges, corners, edge_min
 from stlc.solve.links.layers import Layer
 from stlc.solve.links.problem import Body, Floats, Ints, Singles
 from stlc.solve.links.steps import Reals, both_ways, make_step
@@ -41,19 +41,19 @@ class Chain:
                 self._cuts.append(self._cuts[-1] + len(i))
         self._shift = np.concatenate(shifts)
         keys, self._inverse = _unique_rows(np.concatenate(rows))
-        self._edges, self._at = self._costed(keys[:, :4], keys[:, 4:8], keys[:, 8:10].astype(int))
+        self._at = keys[:, 8:10].astype(int)
+        self._corners = corners(self._costed(keys[:, :4], keys[:, 4:8], self._at))
         self._slopes = keys[:, 10:12], keys[:, 12:]
 
-    def _costed(self, src: Floats, dst: Floats, at: Ints) -> tuple[Edges, Ints]:
+    def _costed(self, src: Floats, dst: Floats, at: Ints) -> Edges:
         """Edges between boxes; at (n, 2): step and axis."""
         t, d = at.T
         axes = self.body.axes
-        edges = Edges(
+        return Edges(
             src, dst,
             np.array([a.blend for a in axes])[d], np.array([a.jump for a in axes])[d],
             np.array([a.dear[1:] for a in axes])[d, t], np.array([a.turn for a in axes])[d, t],
         )  # fmt: skip
-        return edges, at
 
     def weights(self, pi: Floats | None = None) -> Weights:
         """Least weights of all edges under potentials pi."""
@@ -61,7 +61,7 @@ class Chain:
         a0, a1 = self._slopes
         if pi is not None:
             a0, a1 = a0 + pi[t, d], a1 + pi[t + 1, d]
-        base = edge_min(self._edges, a0, a1) - SAFETY
+        base = self._corners.least(a0, a1)[0] - SAFETY
         all_ = base[self._inverse] + (a1 - a0)[self._inverse, 0] * self._shift
         parts = [all_[low:high] for low, high in zip(self._cuts[:-1], self._cuts[1:], strict=True)]
         return list(zip(parts[::2], parts[1::2], strict=True))
@@ -91,7 +91,7 @@ class Chain:
         boxes = np.array([[layer.x.room[layer.ix[k]], layer.y.room[layer.iy[k]]]
                           for layer, k in zip(self.layers, path, strict=True)])  # fmt: skip
         src, dst = boxes[:-1].reshape(-1, 4), boxes[1:].reshape(-1, 4)
-        edges, _ = self._costed(np.tile(src, (5, 1)), np.tile(dst, (5, 1)), np.tile(at, (5, 1)))
+        edges = self._costed(np.tile(src, (5, 1)), np.tile(dst, (5, 1)), np.tile(at, (5, 1)))
         a0, a1 = (
             np.tile(pi[:-1].reshape(-1, 2), (5, 1, 1)),
             np.tile(pi[1:].reshape(-1, 2), (5, 1, 1)),

@@ -18,6 +18,7 @@ class Descent:
         self.problem, self.stop = problem, stop
         self.grids = [lattice(problem, body) for body in problem.bodies]
         self._base: dict[int, Singles] = {}
+        self._known: dict[tuple[object, ...], tuple[float, Floats] | None] = {}
 
     @property
     def possible(self) -> bool:
@@ -45,6 +46,12 @@ class Descent:
 
     def answer(self, n: int, others: Mapping[int, Floats]) -> tuple[float, Floats] | None:
         """The best run of agent n against fixed positions of others."""
+        key = (n, *((m, others[m].tobytes()) for m in sorted(others)))
+        if key not in self._known:
+            self._known[key] = self._answer(n, others)
+        return self._known[key]
+
+    def _answer(self, n: int, others: Mapping[int, Floats]) -> tuple[float, Floats] | None:
         grids = self.grids[n]
         if grids is None:
             return None

@@ -69,52 +69,87 @@ def lattice(problem: Problem, body: Body) -> tuple[AxisLattice, AxisLattice] | N
     return None
 
 
-def _axis_step(f: Singles, axis: Axis, grid: AxisLattice, t: int, at: int) -> Singles:
-    """Least over the moves of one axis; positions at dimension `at`, rates behind them."""
-    g = np.moveaxis(f, (at, at + 1), (0, 1))
-    out = np.full_like(g, _INF)
-    n = len(g)
+def _axis_step(f: Singles, axis: Axis, grid: AxisLattice, t: int, stride: int) -> Singles:
+    """Least over the moves of one axis; f (its rates, the other's, points), where points next to
+    each other along the axis stand `stride` apart."""
+    out = np.full(f.shape, _INF, np.float32)
+    size, room = f.shape[2], np.empty(f.shape[1:], np.float32)
     for a, b, s, control in grid.moves:
-        if abs(s) >= n:
+        low, high = max(0, s * stride), max(0, -s * stride)
+        if low + high >= size:
             continue
-        rate = control if axis.speed is None else grid.rates[b]
-        turn = 0.0 if axis.speed is None else abs(control)
-        weight = np.float32(axis.dear[t + 1] * abs(rate) + axis.turn[t] * turn)
-        into = out[max(0, s) : n + min(0, s), b]
-        np.minimum(into, g[max(0, -s) : n - max(0, s), a] + weight, out=into)
-    return np.moveaxis(out, (0, 1), (at, at + 1))
+        found, into = room[:, : size - low - high], out[b, :, low : size - high]
+        np.add(f[a, :, high : size - low], _weight(axis, grid, t, b, control), out=found)
+        np.minimum(into, found, out=into)
+    return out
+
+
+def _weight(axis: Axis, grid: AxisLattice, t: int, rate: int, control: float) -> np.float32:
+    """Cost of a move to a rate."""
+    if axis.speed is None:
+        return np.float32(axis.dear[t + 1] * abs(control))
+    return np.float32(axis.dear[t + 1] * abs(grid.rates[rate]) + axis.turn[t] * abs(control))
+
+
+Ways = tuple[Singles | None, Singles | None]
+"""Least costs (x rates, y rates, points) with the choice over time ahead, and with it behind;
+None where there is no such run."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lone:
-    """One agent on its lattice: stage (T+1, nx, ny) costs, inf where it may not be."""
+    """One agent on its lattice: stage (T+1, nx, ny) costs, inf where it may not be.
+
+    The points (i, j) of the lattice are numbered i * width + j, with room for the longest move
+    behind each line of them, so that all moves are shifts of one long array.
+    """
 
     problem: Problem
     body: Body
     grids: tuple[AxisLattice, AxisLattice]
     stage: Singles
 
+    @property
+    def _width(self) -> int:
+        y = self.grids[1]
+        return len(y.positions) + max(abs(s) for _, _, s, _ in y.moves)
+
     def best(self) -> tuple[float, Floats] | None:
         """Value and positions (T+1, 2) of the cheapest run, or None if there is none."""
-        x, y = self.grids
-        f = np.full((2, *(len(v) for g in (x, y) for v in (g.positions, g.rates))), _INF)
-        bit = 0 if self.body.places else 1
-        f[(bit, *x.start, *y.start)] = 0
-        runs = [f.astype(np.float32)]
-        slow = self._slow()
+        runs, slow = [self._start()], self._slow()
+        padding = ((0, 0), (0, 0), (0, self._width - self.stage.shape[2]))
+        stage = np.pad(self.stage, padding, constant_values=_INF).reshape(len(self.stage), -1)
         for t in range(self.problem.steps):
-            f = _axis_step(runs[-1], self.body.axes[0], x, t, 1)
-            f = _axis_step(f, self.body.axes[1], y, t, 3)
-            f += self.stage[t + 1][None, :, None, :, None]
-            f += slow
-            for into in self._inside(t + 1):
-                into = into[:, None, :, None]
-                f[1] = np.where(into, np.minimum(f[1], f[0]), f[1])
-            runs.append(f)
+            moved = [f if f is None else self._moved(t, f, stage[t + 1] + slow) for f in runs[-1]]
+            runs.append(self._chosen(t + 1, moved[0], moved[1]))
         last = runs[-1][1]
+        if last is None:
+            return None
         k = np.unravel_index(int(np.argmin(last)), last.shape)
         value = float(last[k])
-        return (value, self._trace(runs, tuple(int(i) for i in k))) if value < np.inf else None
+        return (value, self._trace(runs, *(int(i) for i in k))) if value < np.inf else None
+
+    def _start(self) -> Ways:
+        x, y = self.grids
+        points = len(x.positions) * self._width
+        f = np.full((len(x.rates), len(y.rates), points), _INF, np.float32)
+        f[x.start[1], y.start[1], x.start[0] * self._width + y.start[0]] = 0
+        return (f, None) if self.body.places else (None, f)
+
+    def _moved(self, t: int, f: Singles, stage: Singles) -> Singles:
+        x, y = self.grids
+        f = _axis_step(f, self.body.axes[0], x, t, self._width)
+        f = _axis_step(f.swapaxes(0, 1), self.body.axes[1], y, t, 1).swapaxes(0, 1)
+        f += stage
+        return f
+
+    def _chosen(self, t: int, ahead: Singles | None, behind: Singles | None) -> Ways:
+        """With the choice made at t, too; after its last step it can no longer be ahead."""
+        inside = self._inside(t)
+        if ahead is not None and inside is not None:
+            taken = np.where(inside, ahead, _INF)
+            behind = taken if behind is None else np.minimum(behind, taken)
+        return (ahead if any(p.step > t for p in self.body.places) else None, behind)
 
     def _slow(self) -> Singles:
         """0 where both rates keep to the speed polygon, else inf."""
@@ -122,51 +157,53 @@ class Lone:
         fine = np.ones((len(v), len(w)), bool)
         for nx, ny, c in self.body.faces:
             fine &= nx * v[:, None] + ny * w[None] <= c + EDGE
-        return np.where(fine, np.float32(0), _INF)[None, None, :, None, :]
+        return np.where(fine, np.float32(0), _INF)[:, :, None]
 
-    def _inside(self, t: int) -> list[Bools]:
-        return [
-            np.logical_and.outer(
-                *(between(g.positions, s) for g, s in zip(self.grids, p.box, strict=True))
-            )
-            for p in self.body.places
-            if p.step == t
-        ]
+    def _inside(self, t: int) -> Bools | None:
+        """Points in an alternative of step t; None where it has none."""
+        boxes = [p.box for p in self.body.places if p.step == t]
+        if not boxes:
+            return None
+        out = np.zeros((len(self.grids[0].positions), self._width), bool)
+        for box in boxes:
+            x, y = (between(g.positions, s) for g, s in zip(self.grids, box, strict=True))
+            out[:, : len(y)] |= np.logical_and.outer(x, y)
+        return out.ravel()
 
-    def _trace(self, runs: list[Singles], at: tuple[int, ...]) -> Floats:
-        """Positions of the run that ends in state `at` with the choice behind."""
-        x, y = self.grids
-        out, state = np.empty((len(runs), 2)), (1, *at)
+    def _trace(self, runs: list[Ways], rx: int, ry: int, point: int) -> Floats:
+        """Positions of the run that ends in a state with the choice behind."""
+        (x, y), width, bit = self.grids, self._width, 1
+        out = np.empty((len(runs), 2))
         for t in range(len(runs) - 1, -1, -1):
-            bit, i, a, j, b = state
+            i, j = divmod(point, width)
             out[t] = x.positions[i], y.positions[j]
             if t == 0:
                 break
-            bits = [bit]
-            if bit == 1 and any(into[i, j] for into in self._inside(t)):
-                bits = [0, 1]
+            inside = self._inside(t)
+            bits = (0, 1) if bit == 1 and inside is not None and inside[point] else (bit,)
             ways = [_before(g, axis, t - 1, p, r) for g, axis, p, r in
-                    ((x, self.body.axes[0], i, a), (y, self.body.axes[1], j, b))]  # fmt: skip
+                    ((x, self.body.axes[0], i, rx), (y, self.body.axes[1], j, ry))]  # fmt: skip
             (pi, ra, wa), (pj, rb, wb) = ways
-            costs = wa[:, None] + wb[None]
-            best = np.inf
+            points, costs, best = pi[:, None] * width + pj, wa[:, None] + wb, np.inf
             for flag in bits:
-                value = runs[t - 1][flag][pi[:, None], ra[:, None], pj[None], rb[None]] + costs
+                f = runs[t - 1][flag]
+                if f is None:
+                    continue
+                value = f[ra[:, None], rb, points] + costs
                 k = np.unravel_index(int(np.argmin(value)), value.shape)
                 if value[k] < best:
-                    best = float(value[k])
-                    state = (flag, int(pi[k[0]]), int(ra[k[0]]), int(pj[k[1]]), int(rb[k[1]]))
+                    best, bit = float(value[k]), flag
+                    rx, ry, point = int(ra[k[0]]), int(rb[k[1]]), int(points[k])
         return out
 
 
 def _before(grid: AxisLattice, axis: Axis, t: int, p: int, rate: int) -> tuple[Ints, Ints, Floats]:
     """Positions, rates and costs of the moves that end in (p, rate)."""
-    found = []
-    for a, b, s, control in grid.moves:
-        if b == rate and 0 <= p - s < len(grid.positions):
-            w = control if axis.speed is None else grid.rates[b]
-            turn = 0.0 if axis.speed is None else abs(control)
-            found.append((p - s, a, axis.dear[t + 1] * abs(w) + axis.turn[t] * turn))
+    found = [
+        (p - s, a, float(_weight(axis, grid, t, b, control)))
+        for a, b, s, control in grid.moves
+        if b == rate and 0 <= p - s < len(grid.positions)
+    ]
     positions, rates, costs = zip(*found, strict=True)
     return np.array(positions), np.array(rates), np.array(costs)
 

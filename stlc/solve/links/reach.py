@@ -21,10 +21,9 @@ Box = tuple[float, float, float, float]
 
 def hull(points: Floats) -> Floats:
     """Convex hull (Andrew 1979)."""
-    pts: Floats = np.unique(np.round(points, 10), axis=0)
-    if len(pts) < 3:
-        return pts
-    seq = [(float(x), float(y)) for x, y in pts]
+    seq = sorted({(x, y) for x, y in np.round(points, 10).tolist()})
+    if len(seq) < 3:
+        return np.array(seq).reshape(-1, 2)
     return np.array(_chain(seq)[:-1] + _chain(seq[::-1])[:-1])
 
 
@@ -43,6 +42,11 @@ def _beyond(a: tuple[float, float], b: tuple[float, float], c: tuple[float, floa
     return turn / hypot(c[0] - a[0], c[1] - a[1])
 
 
+def _following(values: Floats) -> Floats:
+    """The next of each, around a polygon."""
+    return np.concatenate([values[1:], values[:1]])
+
+
 def clip(poly: Floats, normal: Floats, offset: float) -> Floats:
     """The part with normal . x <= offset (+ EPS)."""
     if len(poly) == 0:
@@ -52,7 +56,7 @@ def clip(poly: Floats, normal: Floats, offset: float) -> Floats:
         return poly
     if len(poly) == 1:
         return poly[:0]
-    following, after = np.roll(poly, -1, 0), np.roll(d, -1)
+    following, after = _following(poly), _following(d)
     cross = (d <= 0) != (after <= 0)
     share = (d[cross] / (d[cross] - after[cross]))[:, None]
     cut = poly[cross] + share * (following[cross] - poly[cross])
@@ -101,7 +105,7 @@ def intersect(a: Floats, b: Floats) -> Floats:
 
 
 def _normals(poly: Floats) -> Floats:
-    edge = np.roll(poly, -1, 0) - poly
+    edge = _following(poly) - poly
     normal = np.stack([edge[:, 1], -edge[:, 0]], 1)
     out: Floats = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
     return out
@@ -155,7 +159,7 @@ def _corners(low: Floats, high: Floats, poly: Floats) -> Floats:
 def _crossings(low: Floats, high: Floats, poly: Floats) -> Floats:
     """(n, 4 k, 2): where the polygon's edges cross the lines of each box's sides."""
     found = []
-    step = np.roll(poly, -1, 0) - poly
+    step = _following(poly) - poly
     for axis in (0, 1):
         for side in (low[:, axis], high[:, axis]):
             with np.errstate(divide="ignore", invalid="ignore"):

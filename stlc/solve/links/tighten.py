@@ -16,7 +16,7 @@ from stlc.solve.links.session import Session
 from stlc.solve.links.shares import stage_cost
 
 MARGIN = 1e-6
-_ROUNDS = 8  # of an ascent
+_ROUNDS = 12  # of an ascent
 
 
 class Tightener:
