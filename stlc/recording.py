@@ -44,6 +44,11 @@ def read_recording(path: str | os.PathLike[str], step: float) -> Recording:
     header = [cell.strip() for cell in next(csv.reader([lines[0][1]], delimiter=mark))]
     if len(set(header)) != len(header):
         raise UsageError(f"{name}:{lines[0][0]}: two columns have the same name")
+    if not {"time", "t"} & set(header):
+        raise UsageError(
+            f"{name}: a recording is a CSV file with a column `time` in seconds, or `t` in steps; "
+            f"its header is {lines[0][1].strip()[:60]!r}"
+        )
     table = np.empty((len(lines) - 1, len(header)))
     for row, (number, line) in enumerate(lines[1:]):
         table[row] = _numbers(f"{name}:{number}", line, mark, header)
@@ -81,15 +86,7 @@ def _numbers(place: str, line: str, mark: str, header: Sequence[str]) -> list[fl
 
 def _times(name: str, columns: Mapping[str, Array], step: float, numbers: Sequence[int]) -> Array:
     """Seconds (N,) of the samples, checked against the step."""
-    if "time" in columns:
-        times = columns["time"]
-    elif "t" in columns:
-        times = columns["t"] * step
-    else:
-        raise UsageError(
-            f"{name}: a recording needs a column `time` in seconds, or `t` in steps; it has "
-            f"{', '.join(columns)}"
-        )
+    times = columns["time"] if "time" in columns else columns["t"] * step
     gaps = np.diff(times)
     wrong = np.flatnonzero(np.abs(gaps - step) > STEP_SLACK * step)
     if len(wrong):

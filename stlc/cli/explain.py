@@ -99,7 +99,7 @@ def _diagnostic(conflict: Conflict, told: str) -> Diagnostic:
     clauses = list(zip(conflict.clauses, conflict.spans, strict=True))
     several = len(clauses) > 1
     remarks = [Note(f"with this: `{c.name}`", span) for c, span in clauses[1:]]
-    if not conflict.minimal:
+    if several and not conflict.minimal:
         remarks.append(Note("the set may not be minimal: some proofs hit the time limit"))
     if not told or told not in conflict.confirmation:
         remarks.append(Note(conflict.confirmation))

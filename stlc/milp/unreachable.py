@@ -11,10 +11,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from stlc.errors import InfeasibleError
-from stlc.ir.nodes import Always, And, Eventually, Node, Until
+from stlc.ir.nodes import Always, And, Eventually, Link, Node, Quantity, Until
 from stlc.milp.bounds import static_bounds
 from stlc.milp.reach import reach
-from stlc.mission import Mission, Requirement
+from stlc.mission import Bound, Mission, Requirement
 from stlc.source import Span
 
 _TOLERANCE = 1e-6
@@ -23,17 +23,22 @@ _LONGER = 3  # times the horizon, for the earliest possible step
 
 @dataclass(frozen=True, slots=True)
 class Blame:
-    """What fails: needed by step `deadline` (inclusive), possible from `earliest` (None: never)."""
+    """What fails: needed by step `deadline` (inclusive), possible from `earliest` (None: never).
+
+    `by_cells`: it is a link that every pair of points of two cells has to offer.
+    """
 
     span: Span | None
     deadline: int
     earliest: int | None
+    by_cells: bool = False
 
     def __str__(self) -> str:
         where = f"{self.span}: " if self.span else ""
         what = f"`{self.span.text}`" if self.span else "a part of it"
         if self.earliest is None:
-            return f"{where}{what} is out of reach at every step"
+            cells = " for whole cells: try a finer `partition`, or `bound mean`"
+            return f"{where}{what} is out of reach at every step{cells if self.by_cells else ''}"
         if self.earliest <= self.deadline:
             return f"{where}{what} is out of reach together with what the others demand"
         return (
@@ -74,7 +79,13 @@ class _Analysis:
         if isinstance(node, Eventually):
             last = self.mission.horizon if node.end is None else first + node.end
         found = node.span or requirement.span
-        return Blame(found, last, self._earliest(node, first))
+        return Blame(found, last, self._earliest(node, first), self._by_cells(node))
+
+    def _by_cells(self, node: Node) -> bool:
+        body = node.arg if isinstance(node, Eventually) else node
+        if not isinstance(body, Link) or body.quantity is Quantity.COST:
+            return False
+        return self.mission.channels[body.channel].predicate_bound is Bound.WORST
 
     def _failing(self, node: Node, step: int) -> tuple[Node, int, int] | None:
         """The part of a failing node that already fails, from which step, needed until when."""

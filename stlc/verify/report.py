@@ -195,12 +195,17 @@ def _objective_lines(report: Report) -> list[str]:
 
 
 def _clearance_lines(clearances: tuple[Clearance, ...]) -> list[str]:
-    return [
-        f"  {_CLEARANCE[c.what].format(c)}: {c.value:.4g} m at {c.time:.3g} s, "
-        "between samples included"
-        for c in clearances
-        if c.what in ("body", "distance")
-    ]
+    return [f"  {_clearance(c)}" for c in clearances if c.what in ("body", "distance")]
+
+
+def _clearance(c: Clearance) -> str:
+    if c.what == "body" and c.value < -1e-6:
+        return (
+            f"{c.agent} cuts {-c.value:.4g} m into the body of {c.other} at {c.time:.3g} s; "
+            "a requirement with `swept` forbids that"
+        )
+    words = _CLEARANCE[c.what].format(c)
+    return f"{words}: {c.value:.4g} m at {c.time:.3g} s, between samples included"
 
 
 _CLEARANCE = {

@@ -107,7 +107,7 @@ BAD = [
     ([(0, 1, 1), (0.5, 1, 1), (1.2, 1, 1)], "time,speed,gear", "trace.csv:4: 0.7 s after"),
     ([(0, 1, 1), (1, 1, 1)], "time,speed,gear", "the specification's step is 0.5 s"),
     ([(0, 1, 1), (0.5, 1)], "time,speed,gear", "trace.csv:3: expected 3 fields, found 2"),
-    ([(0, 1, 1)], "when,speed,gear", "needs a column `time`"),
+    ([(0, 1, 1)], "when,speed,gear", "with a column `time`"),
     ([], "time,speed,gear", "needs a header and at least one sample"),
 ]
 

@@ -50,3 +50,19 @@ def test_contradictory_bounds_name_the_agent() -> None:
     one = agent("a", "single", 9.0, 5.0)
     with pytest.raises(InfeasibleError, match="agent 'a' cannot keep its bounds"):
         compile_mission(mission((one,), 4, ()))
+
+
+LINKED = """
+workspace box [0, 10] x [0, 10]
+agent a : single_integrator { start (1, 1); control |u| <= 1 }
+station base at (5, 5)
+channel radio { path_loss L0 = -40 dBm, n = 2; partition 2 x 2; bound {bound} }
+require talk: eventually[0, 8] rssi(a, base) >= -41 dBm
+"""
+
+
+def test_a_link_that_no_whole_cell_offers_says_so() -> None:
+    with pytest.raises(Unreachable, match="for whole cells: try a finer `partition`"):
+        compile_mission(Mission.from_text(LINKED.replace("{bound}", "worst")))
+    with pytest.raises(Unreachable, match=r"at every step$"):
+        compile_mission(Mission.from_text(LINKED.replace("{bound}", "mean")))

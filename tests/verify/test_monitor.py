@@ -96,7 +96,8 @@ def test_a_short_recording_cannot_be_judged(tmp_path):
     [
         ("", "needs a header"),
         ("time,speed\n", "at least one sample"),
-        ("speed\n1\n", "needs a column `time`"),
+        ("speed\n1\n", "with a column `time` in seconds, or `t` in steps; its header is 'speed'"),
+        ('{\n  "mission": 1,\n}\n', "a recording is a CSV file with a column `time`"),
         ("time,sped\n0,1\n", r"no column 'speed' \(is it 'sped'\?\)"),
         ("time,speed\n0,1\n0.6,2\n", r"run.csv:3: 0.6 s after the sample before.*step is 0.5 s"),
         ("time,speed\n0,1\n0,2\n", "run.csv:3: 0 s after"),

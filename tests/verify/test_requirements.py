@@ -277,6 +277,7 @@ def test_swept_is_judged_by_the_motion_itself():
         assert [v.kind for v in report.violations] == found
     assert report.requirements[0].robustness > 0
     assert report.requirements[0].swept == pytest.approx(-0.3)
+    assert "cuts 0.3 m into the body of " in report.text()
     body = next(c for c in report.clearances if c.what == "body")
     assert (body.value, body.time) == (pytest.approx(-0.3), pytest.approx(0.5))
 
