@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from stlc.backends import get
 from stlc.backends.base import Floats, SolveOptions
 from stlc.milp.compile import Compiled
+from stlc.milp.model import Model
 from stlc.plan import Plan
 
 _SECONDS = 10.0
@@ -21,18 +23,29 @@ def complete_start(compiled: Compiled, plan: Plan) -> Floats | None:
     Fixing the trajectories leaves cells, literals and costs, which HiGHS settles in presolve.
     None too when the plan has other agents, another horizon, or breaks the mission.
     """
+    runs = {name: (np.asarray(r.states), np.asarray(r.inputs)) for name, r in plan.runs.items()}
+    if not runs.keys() >= compiled.states.keys():
+        return None
+    fixed = hold(compiled, {name: runs[name] for name in compiled.states})
+    if fixed is None:
+        return None
+    return get("highs").solve(fixed, SolveOptions(time_limit=_SECONDS, gap=0.0)).x
+
+
+def hold(compiled: Compiled, runs: Mapping[str, tuple[Floats, Floats]]) -> Model | None:
+    """The model with some agents held to states (T+1, n) and inputs (T, m).
+
+    None when they are of another shape, or beyond the bounds of the model.
+    """
     model = compiled.model
     lower, upper = model.col_lower.copy(), model.col_upper.copy()
-    for columns, kind in ((compiled.states, "states"), (compiled.inputs, "inputs")):
-        for agent, cols in columns.items():
-            run = plan.runs.get(agent)
-            values = None if run is None else np.asarray(getattr(run, kind), dtype=float)
-            if values is None or values.shape != cols.shape:
+    for agent, run in runs.items():
+        for cols, values in zip((compiled.states[agent], compiled.inputs[agent]), run, strict=True):
+            if values.shape != cols.shape:
                 return None
             kept = np.clip(values, lower[cols], upper[cols])
             if np.max(np.abs(kept - values), initial=0.0) > 1e-4:
                 return None
             lower[cols] = np.maximum(lower[cols], kept - _SLACK)
             upper[cols] = np.minimum(upper[cols], kept + _SLACK)
-    fixed = replace(model, col_lower=lower, col_upper=upper)
-    return get("highs").solve(fixed, SolveOptions(time_limit=_SECONDS, gap=0.0)).x
+    return replace(model, col_lower=lower, col_upper=upper)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
+from functools import partial
 
 from stlc.backends.base import Backend, Capability, Solution, SolveOptions, Status
 from stlc.milp.compile import Compiled
@@ -13,18 +14,28 @@ from stlc.milp.model import Model
 def run_strategy(
     name: str, compiled: Compiled, backend: Backend, options: SolveOptions
 ) -> Solution:
-    """`milp`: one plain solve. `auto`: link costs between moving agents have a search of their
-    own; else a start is looked for first where the model offers one, and one that reaches a static
-    bound is optimal and needs no solver."""
+    """`milp`: one plain solve. `auto`: teams that minimise effort are bounded by what each agent
+    does alone; links between moving agents have a search of their own; else a start is looked for
+    first where the model offers one, and one that reaches a static bound is optimal and needs no
+    solver."""
     if name != "auto":
         return solve_twice_if_infeasible(compiled.model, backend, options)
     from stlc.solve.links.strategy import solve_links
+    from stlc.solve.parts.bounds import bounded, parts_of
+    from stlc.solve.parts.strategy import remaining, solve_team
 
-    linked = solve_links(compiled, backend, options)
+    began = time.perf_counter()
+    parts = parts_of(compiled, backend, options)
+    finish = partial(solve_twice_if_infeasible, compiled.model, backend)
+    if parts:
+        compiled = bounded(compiled, parts)
+        finish = partial(solve_team, compiled, parts, backend)
+        options = remaining(options, time.perf_counter() - began)
+    linked = solve_links(compiled, backend, options, finish)
     if linked is not None:
         return linked
-    if options.start is not None:
-        return solve_twice_if_infeasible(compiled.model, backend, options)
+    if options.start is not None or parts:
+        return finish(options)
     from stlc.milp.start import find_start
 
     began = time.perf_counter()
@@ -37,10 +48,7 @@ def run_strategy(
         )  # fmt: skip
     if found is not None and Capability.START & backend.capabilities:
         options = replace(options, start=found.x)
-    if options.time_limit is not None:
-        left = options.time_limit - (time.perf_counter() - began)
-        options = replace(options, time_limit=max(left, 0.1))
-    return solve_twice_if_infeasible(compiled.model, backend, options)
+    return finish(remaining(options, time.perf_counter() - began))
 
 
 def solve_twice_if_infeasible(model: Model, backend: Backend, options: SolveOptions) -> Solution:

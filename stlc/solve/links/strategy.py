@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -18,7 +20,12 @@ _LARGE = 400_000  # columns: more are not given to the solver whole when there i
 _NEEDED = Capability.TIME_LIMIT | Capability.GAP
 
 
-def solve_links(compiled: Compiled, backend: Backend, options: SolveOptions) -> Solution | None:
+def solve_links(
+    compiled: Compiled,
+    backend: Backend,
+    options: SolveOptions,
+    finish: Callable[[SolveOptions], Solution] | None = None,
+) -> Solution | None:
     """Solve a mission with link costs between moving agents; None for any other mission.
 
     Where links are only asked for, the search just looks for a first plan. The bound is that of
@@ -38,7 +45,7 @@ def solve_links(compiled: Compiled, backend: Backend, options: SolveOptions) -> 
     large = session.x is not None and compiled.model.columns > _LARGE
     if proven or large or session.stopped():
         return _answer(session, proven)
-    return _finish(session)
+    return _finish(session, finish or partial(backend.solve, compiled.model))
 
 
 def _answer(session: Session, proven: bool) -> Solution:
@@ -58,13 +65,13 @@ def _answer(session: Session, proven: bool) -> Solution:
     )
 
 
-def _finish(session: Session) -> Solution:
-    """Leave the model to the solver, with the incumbent as its start."""
+def _finish(session: Session, finish: Callable[[SolveOptions], Solution]) -> Solution:
+    """Leave the model to `finish`, with the incumbent as its start."""
     options, backend = session.options, session.backend
     limit = None if options.time_limit is None else max(0.1, session.left)
     start = session.x if Capability.START & backend.capabilities else None
     asked = replace(options, time_limit=limit, start=start)
-    found = backend.solve(session.frame.model, asked)
+    found = finish(asked)
     if found.x is not None:
         session.offer(found.x)
     if found.status in (Status.INFEASIBLE, Status.UNBOUNDED, Status.FAILED):

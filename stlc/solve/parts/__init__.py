@@ -1,0 +1,1 @@
+"""Missions of several agents, bounded and started from what each agent would do alone."""

@@ -1,0 +1,110 @@
+"""Plans for the whole team from the runs of its members alone.
+
+All of them together, if they get along; else agents join one after the other, keeping to what is
+planned (prioritised planning: Erdmann and Lozano-Perez, On Multiple Moving Objects, 1987); then
+one agent after the other, and two at a time, answer the others best (coordinate descent).
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import combinations
+
+import numpy as np
+
+from stlc.backends.base import Backend, SolveOptions
+from stlc.errors import InfeasibleError
+from stlc.milp.compile import Compiled, CompileOptions, compile_mission
+from stlc.milp.model import Floats, Model
+from stlc.solve.parts.bounds import Part, Run, brief
+from stlc.solve.parts.project import project
+from stlc.solve.start import hold
+
+_FREE = 2  # agents at once that answer the others
+_SOON = 1.0  # s
+_SHARE = 0.3  # of the time limit
+_MOST = 60.0  # s
+_LONG = 1e9  # s: no limit
+
+
+class Joint:
+    """A search for one plan `x` of the whole model, better and better."""
+
+    def __init__(
+        self, compiled: Compiled, parts: Sequence[Part], backend: Backend, options: SolveOptions
+    ) -> None:
+        self.compiled, self.backend, self.options = compiled, backend, options
+        self.began = time.perf_counter()
+        self.alone = {p.agent: p.run for p in parts if p.run is not None}
+        self.x: Floats | None = options.start
+        self.value = np.inf if self.x is None else compiled.model.objective(self.x)
+
+    def run(self) -> Floats | None:
+        """The best plan that was found."""
+        names = list(self.compiled.states)
+        if len(self.alone) == len(names) and not self._offer(self._held(self.alone)):
+            for order in (names, names[::-1]) if self._cheap() else ():
+                self._offer(self._joined(order))
+        if self.x is not None:
+            self._descend(names)
+        return self.x
+
+    def _descend(self, names: Sequence[str]) -> None:
+        """Let one agent, then two, answer the others anew, for as long as that helps."""
+        for size in range(1, min(_FREE, len(names) - 1) + 1):
+            groups = list(combinations(names, size))
+            while any([self._offer(self._answer(group)) for group in groups]):
+                continue
+
+    def _cheap(self) -> bool:
+        """Whether teams that grow by one agent after the other are soon compiled."""
+        return len(self.compiled.states) == 2 or self.compiled.stats.seconds < _SOON
+
+    def _offer(self, x: Floats | None) -> bool:
+        """Take x if it is better by the gap."""
+        value = np.inf if x is None else self.compiled.model.objective(x)
+        if value >= self.value - self.options.gap * abs(value):
+            return False
+        self.x, self.value = x, value
+        return True
+
+    def _held(self, runs: Mapping[str, Run]) -> Floats | None:
+        return self._solve(hold(self.compiled, runs))
+
+    def _solve(self, model: Model | None) -> Floats | None:
+        if model is None or self._over():
+            return None
+        return self.backend.solve(model, brief(self.options, self.options.gap)).x
+
+    def _over(self) -> bool:
+        """Whether it was asked to stop, or has had its share of the time."""
+        stop, limit = self.options.should_stop, self.options.time_limit or _LONG
+        late = time.perf_counter() - self.began > min(_MOST, _SHARE * limit)
+        return late or (stop is not None and stop())
+
+    def _answer(self, free: Sequence[str]) -> Floats | None:
+        """The best runs of some agents against those that the others have in `x`."""
+        assert self.x is not None
+        runs = self.compiled.decode(self.x)
+        others = {n: (runs.states[n], runs.inputs[n]) for n in runs.states if n not in free}
+        return self._held(others)
+
+    def _joined(self, order: Sequence[str]) -> Floats | None:
+        """Agents planned in this order; the last is planned in the model of the whole mission."""
+        runs = {order[0]: self.alone[order[0]]}
+        for k, name in enumerate(order[1:-1], start=2):
+            team = self._team(order[:k])
+            x = None if team is None else self._solve(hold(team, runs))
+            if team is None or x is None:
+                return None
+            found = team.decode(x)
+            runs[name] = found.states[name], found.inputs[name]
+        return self._held(runs)
+
+    def _team(self, names: Iterable[str]) -> Compiled | None:
+        mission = project(self.compiled.mission, tuple(names), self.compiled.channels)
+        try:
+            return compile_mission(mission, CompileOptions(link=self.compiled.link))
+        except InfeasibleError:
+            return None

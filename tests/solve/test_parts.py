@@ -1,0 +1,130 @@
+"""Teams bounded and started from what each agent does alone."""
+
+import numpy as np
+import pytest
+
+from stlc import Mission, backends
+from stlc.backends.base import SolveOptions, Status
+from stlc.ir.nodes import Link, walk
+from stlc.milp.compile import Compiled
+from stlc.solve.driver import judge_point
+from stlc.solve.parts.bounds import bounded, least, parts_of
+from stlc.solve.parts.project import project
+from stlc.solve.strategy import run_strategy
+
+HIGHS = backends.get("highs")
+EXACT = SolveOptions(gap=1e-6)
+
+HEAD = """
+horizon {steps}
+workspace box [0, 6] x [0, 6]
+dynamics cart = single_integrator
+"""
+AGENT = (
+    "agent r{k} : cart {{ start ({x:g}, {y:g}); control |u| <= 1.5; effort_input (1, {w:g}) }}\n"
+)
+REGIONS = """
+region east = box [4, 5] x [{low:g}, {high:g}]
+region west = box [0.5, 1.5] x [2, 3.5]
+obstacle pillar = box [2.5, 3.2] x [1.5, 3.8]
+channel radio {{ path_loss L0 = -40 dBm, n = 2; fading 0 dB^2; shadowing 0 dB^2, length 1 m
+  noise_floor -90 dBm; partition 3 x 3 }}
+"""
+COUPLINGS = (
+    "require apart: always separation(r1, r2) >= 1 m",
+    "require talk: always[1, 4] rssi(r1, r2) >= -50 dBm",
+    "require either: (eventually r1 in west) or (eventually r2 in west)",
+    "require same: always ((r1 in west) implies not (r2 in west))",
+    "require chance: not (eventually[2, 4] P(rssi(r1, r2) >= -44 dBm) >= 0.5)",
+    "require meet: eventually (r1 in east and r2 in east)",
+    "require until: (separation(r1, r2) >= 0.5 m) until[1, 4] (r1 in east iff r2 in west)",
+)
+OBJECTIVES = (
+    "minimize effort",
+    "minimize normalised(effort)",
+    "minimize 0.5 * effort(r1) + 2 * effort[1, 3]",
+)
+
+
+def mission(seed: int, agents: int = 2) -> Mission:
+    """A random small team that is coupled by two requirements."""
+    rng = np.random.default_rng(seed)
+    text = HEAD.format(steps=4)
+    for k in range(1, agents + 1):
+        x, y = rng.uniform(0.3, 1.2), 2 * k - rng.uniform(0.3, 1)
+        text += AGENT.format(k=k, x=x, y=y, w=rng.uniform(0.5, 2))
+    low = rng.uniform(1, 3)
+    text += REGIONS.format(low=low, high=low + rng.uniform(0.8, 2))
+    for k in range(1, agents + 1):
+        text += f"require reach{k}: eventually r{k} in east\n"
+        text += f"require clear{k}: always r{k} outside pillar\n"
+    for k in rng.choice(len(COUPLINGS), 2, replace=False):
+        text += COUPLINGS[k] + "\n"
+    return Mission.from_text(text + OBJECTIVES[int(rng.integers(len(OBJECTIVES)))] + "\n")
+
+
+def plain(compiled: Compiled) -> tuple[Status, float | None]:
+    found = run_strategy("milp", compiled, HIGHS, EXACT)
+    return found.status, found.objective
+
+
+@pytest.mark.parametrize("seed", range(14))
+def test_the_strategy_has_the_optimum_of_the_plain_model(seed: int) -> None:
+    task = mission(seed, agents=2 + seed % 2)
+    compiled = task.compile()
+    status, optimum = plain(compiled)
+    found = run_strategy("auto", compiled, HIGHS, EXACT)
+    assert found.status is status
+    if optimum is None:
+        return
+    assert found.objective == pytest.approx(optimum, rel=1e-5)
+    _, report = judge_point(task, compiled, found, EXACT)
+    assert report.ok, report.text()
+
+
+@pytest.mark.parametrize("seed", range(7))
+def test_parts_bound_the_optimum_and_their_rows_cut_no_plan_off(seed: int) -> None:
+    compiled = mission(seed, agents=3).compile()
+    _, optimum = plain(compiled)
+    parts = parts_of(compiled, HIGHS, EXACT)
+    if optimum is None:
+        return
+    assert [part.agent for part in parts] == ["r1", "r2", "r3"]
+    assert least(compiled, parts) <= optimum + 1e-6 * (1 + abs(optimum))
+    tight = bounded(compiled, parts)
+    assert tight.model.rows == compiled.model.rows + 3
+    assert plain(tight)[1] == pytest.approx(optimum, rel=1e-5)
+    root = run_strategy("milp", tight, HIGHS, SolveOptions(gap=1e-6)).bound
+    assert root is not None
+    assert root >= least(compiled, parts) - 1e-5
+
+
+def test_a_team_that_gets_along_needs_no_solver_for_the_whole() -> None:
+    text = HEAD.format(steps=4)
+    text += AGENT.format(k=1, x=1, y=1, w=1) + AGENT.format(k=2, x=1, y=5, w=1)
+    text += REGIONS.format(low=1, high=5) + "require a: eventually r1 in east\n"
+    text += "require b: eventually r2 in east\nrequire c: always separation(r1, r2) >= 0.2 m\n"
+    compiled = Mission.from_text(text + "minimize effort").compile()
+    found = run_strategy("auto", compiled, HIGHS, SolveOptions())
+    assert found.status is Status.OPTIMAL
+    assert found.solver_version.startswith("agents alone")
+
+
+def test_projection_leaves_out_what_others_are_asked() -> None:
+    task = mission(1, agents=3)
+    alone = project(task, ("r1",), task.compile().channels)
+    assert list(alone.agents) == ["r1"]
+    assert {"reach1", "clear1"} <= {r.name for r in alone.requirements}
+    assert not {"reach2", "clear3"} & {r.name for r in alone.requirements}
+    assert not any(isinstance(n, Link) for r in alone.requirements for n in walk(r.formula))
+
+
+@pytest.mark.parametrize(
+    "objective", ["maximize robustness", "minimize link_cost(radio, (r1, r2))"]
+)
+def test_other_objectives_have_no_parts(objective: str) -> None:
+    task = mission(1)
+    text = task.source.text.rpartition("minimize")[0] + objective
+    text = text.replace("require talk", "# require talk")
+    compiled = Mission.from_text(text).compile()
+    assert parts_of(compiled, HIGHS, EXACT) == ()
