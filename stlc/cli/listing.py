@@ -6,6 +6,8 @@ import json
 
 import click
 
+from stlc.errors import SolverError
+
 
 @click.command("backends")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
@@ -13,7 +15,7 @@ def backends_command(as_json: bool) -> int:
     """List the solvers, what they can do, and how to get those that are missing."""
     from stlc import backends
 
-    rows = [_describe(backends.get(name)) for name in backends.names()]
+    rows = [_describe(name) for name in backends.names()]
     if as_json:
         click.echo(json.dumps({"backends": rows}, indent=2))
         return 0
@@ -24,15 +26,20 @@ def backends_command(as_json: bool) -> int:
     return 0
 
 
-def _describe(backend: object) -> dict[str, object]:
-    from stlc.backends.base import Backend, Capability
+def _describe(name: str) -> dict[str, object]:
+    """Under the name that `--backend` takes; a plugin that cannot load is listed with its error."""
+    from stlc import backends
+    from stlc.backends.base import Capability
 
-    assert isinstance(backend, Backend)
+    try:
+        backend = backends.get(name)
+    except SolverError as error:
+        return {"name": name, "version": None, "missing": str(error), "capabilities": ""}
     missing = backend.available()
     names = [c.name.lower() for c in Capability if c & backend.capabilities and c.name]
     version = None if missing else backend.version()
     return {
-        "name": backend.name,
+        "name": name,
         "version": version,
         "missing": missing,
         "capabilities": ", ".join(names),

@@ -4,8 +4,10 @@ import re
 import subprocess
 import sys
 from importlib.metadata import EntryPoint
+from pathlib import Path
 
 import pytest
+from support.command import inside as stlc
 
 from stlc import backends
 from stlc.backends.base import Backend, SolveOptions
@@ -49,6 +51,20 @@ def test_a_broken_plugin_is_a_clear_error(monkeypatch: pytest.MonkeyPatch, value
     _plugged(monkeypatch, value)
     with pytest.raises(SolverError, match="'theirs'"):
         backends.get("theirs")
+
+
+def test_plugins_are_listed_as_they_are_asked_for(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    _plugged(monkeypatch, "stlc.backends.highs:Highs")
+    done = stlc("backends", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert re.search(r"^theirs +HiGHS \d", done.stdout, re.MULTILINE)
+    _plugged(monkeypatch, "no.such:Thing")
+    done = stlc("backends", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert re.search(r"^theirs +missing: backend 'theirs' could not be loaded", done.stdout, re.M)
+    assert re.search(r"^highs +HiGHS \d", done.stdout, re.MULTILINE)
 
 
 @pytest.mark.parametrize(
