@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.channels import ChannelTables
 from stlc.errors import StlcError
 from stlc.mission import Agent, Mission, ObjectiveTerm, TermKind
+
+if TYPE_CHECKING:
+    from stlc.channels import ChannelTables
 
 Array = NDArray[np.float64]
 
@@ -37,27 +41,41 @@ def _effort(mission: Mission, term: ObjectiveTerm) -> float:
     total = 0.0
     for name in term.agents or mission.agents:
         agent = mission.agents[name]
-        x = _width(agent, agent.effort_state, agent.state_lower, agent.state_upper, "state")
-        u = _width(agent, agent.effort_input, agent.input_lower, agent.input_upper, "input")
+        x, u = _width(agent, "state"), _width(agent, "input")
         total += len(states) * x + len(inputs) * u
     return total
 
 
-def _width(agent: Agent, weights: Array, lower: Array, upper: Array, what: str) -> float:
-    """Width of the range of weights'|y| over a box tightened by the norm limits."""
-    low, high = lower.copy(), upper.copy()
-    for bound in agent.state_norms if what == "state" else agent.input_norms:
-        for index in bound.indices:
-            low[index] = max(low[index], -bound.limit)
-            high[index] = min(high[index], bound.limit)
-    used = weights != 0
-    ends = np.abs(np.stack([low, high]))[:, used]
-    if not np.isfinite(ends).all():
+def unbounded(agent: Agent) -> str | None:
+    """Whether effort weighs a "state" or an "input" that has no bound: its range is infinite."""
+    kinds = ("state", "input")
+    return next((what for what in kinds if not np.isfinite(_weighed(agent, what)[1]).all()), None)
+
+
+def _width(agent: Agent, what: str) -> float:
+    """Width of the range of weights'|y|."""
+    weights, box = _weighed(agent, what)
+    if not np.isfinite(box).all():
         raise StlcError(
             f"normalised(effort) needs a bound on every {what} of {agent.name} it weighs"
         )
-    crossing = (low[used] < 0) & (high[used] > 0)
-    return float(weights[used] @ (ends.max(axis=0) - np.where(crossing, 0.0, ends.min(axis=0))))
+    ends = np.abs(box)
+    crossing = (box[0] < 0) & (box[1] > 0)
+    return float(weights @ (ends.max(axis=0) - np.where(crossing, 0.0, ends.min(axis=0))))
+
+
+def _weighed(agent: Agent, what: str) -> tuple[Array, Array]:
+    """Weights (k,) that are not zero, and the box (2, k) of what they weigh, tightened by the
+    norm limits."""
+    if what == "state":
+        weights, box = agent.effort_state, np.stack([agent.state_lower, agent.state_upper])
+    else:
+        weights, box = agent.effort_input, np.stack([agent.input_lower, agent.input_upper])
+    for bound in agent.state_norms if what == "state" else agent.input_norms:
+        columns = list(bound.indices)
+        box[:, columns] = np.clip(box[:, columns], -bound.limit, bound.limit)
+    used = weights != 0
+    return weights[used], box[:, used]
 
 
 def _link_cost(mission: Mission, term: ObjectiveTerm, tables: ChannelTables) -> float:

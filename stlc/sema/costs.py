@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import isnan
 
 from stlc.mission import Agent, Channel, ObjectiveTerm, TermKind
+from stlc.scales import unbounded
 from stlc.sema import clock
 from stlc.sema.channel_errors import BadChannel, BadLink
 from stlc.sema.links import missing, only_channel
@@ -63,6 +65,7 @@ def cost_term(expr: ast.Expr, weight: float, env: Env, scope: Scope) -> Objectiv
             inner = cost_term(args[0], weight, env, scope)
             if inner.kind is TermKind.ROBUSTNESS:
                 raise Mistake(BadObjective(span=expr.span, problem="robustness isn't a cost"))
+            _check_range(inner, expr.span, scope)
             return replace(inner, normalised=True, span=expr.span)
     problem = "a constant adds nothing" if isinstance(expr, ast.Number) else "this is not a cost"
     near = nearest(name, COSTS)
@@ -97,7 +100,18 @@ def _effort(
         agents = tuple(n for a in args for n in _agents(scope.value(a, env), a.span))
     else:
         agents = tuple(scope.agents)
+    _each_once([(name,) for name in agents], expr.span)
     return ObjectiveTerm(TermKind.EFFORT, weight, agents=agents, span=expr.span)
+
+
+def _check_range(term: ObjectiveTerm, span: Span, scope: Scope) -> None:
+    """Raise Mistake where a cost has no static range to be divided by."""
+    for name in term.agents:
+        what = unbounded(scope.agents[name])
+        if what is not None:
+            problem = f"`{name}` has no bound on some {what} that effort weighs"
+            hint = f"give every {what} that it weighs a range, or leave `normalised` out"
+            raise Mistake(BadObjective(span=span, problem=problem, hint=hint))
 
 
 def _agents(value: Value, span: Span) -> list[str]:
@@ -106,6 +120,19 @@ def _agents(value: Value, span: Span) -> list[str]:
     if isinstance(value, Radio) and isinstance(value.thing, Agent):
         return [value.name]
     raise Mistake(WrongKind(span=span, expected="an agent", found=describe(value)))
+
+
+def _each_once(members: Sequence[tuple[str, ...]], span: Span) -> None:
+    """Raise Mistake where a cost would count an agent or an unordered pair twice."""
+    seen: set[frozenset[str]] = set()
+    for member in members:
+        if frozenset(member) in seen:
+            problem = f"`{', '.join(member)}` is listed twice"
+            raise Mistake(BadObjective(span=span, problem=problem, hint=_ONCE))
+        seen.add(frozenset(member))
+
+
+_ONCE = "list it once; a weight makes it count more: `2 * effort(r1)`"
 
 
 # --- link cost -----------------------------------------------------------------------------------
@@ -127,6 +154,7 @@ def _link_cost(
     channel = scope.channels[channel_name]
     pairs = tuple(p for v in values for p in pairs_of(v, expr.span)) if values else ()
     pairs = pairs or scope.pairs.get(channel_name) or default_pairs(expr.span, scope)
+    _each_once(pairs, expr.span)
     check_cost(channel, pairs, expr.span)
     return ObjectiveTerm(
         TermKind.LINK_COST, weight, channel=channel_name, pairs=pairs, span=expr.span

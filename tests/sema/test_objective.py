@@ -62,6 +62,7 @@ def test_robustness() -> None:
         ("minimize effort + 3", "E0701"),
         ("minimize effort / 0", "E0701"),
         ("minimize normalised(robustness)", "E0701"),
+        ("minimize normalised(effort(a))", "E0701"),  # nothing bounds its inputs
         ("maximize robustness(apartt)", "E0201"),
         ("minimize effort(base)", "E0203"),
         ("minimize effort[4, 1]", "E0502"),
@@ -145,3 +146,9 @@ def test_a_misspelt_cost_is_recognised() -> None:
         terms("minimize efort")
     (found,) = caught.value.diagnostics
     assert found.help_text == "did you mean `effort`?"
+
+
+@pytest.mark.parametrize("cost", ["effort(a, a)", "link_cost(radio, (a, b), (b, a))"])
+def test_nothing_is_counted_twice(cost: str) -> None:
+    with pytest.raises(MissionError, match="is listed twice"):
+        terms(f"minimize {cost}")
