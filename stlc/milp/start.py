@@ -9,13 +9,16 @@ alternative each disjunction takes,
     every alternative that conflicts with a decision (`conflicts.py`) is ruled out at once,
     backtracking in order, restarts from other LP vertices (random costs) with growing limits.
 
+Between the first dive and the restarts come runs of lattices (`guide.py`): their alternatives are
+tried all at once, then one by one, those over time first.
+
 It gives up after a fixed number of LPs, so it is repeatable. A point found with all literals
 integral is feasible for the whole model.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -24,6 +27,7 @@ import numpy as np
 
 from stlc.milp.conflicts import demands_of, find_conflicts
 from stlc.milp.goals import Level
+from stlc.milp.guide import guides
 from stlc.milp.model import Floats, Ints, Model
 
 if TYPE_CHECKING:
@@ -33,6 +37,7 @@ _FIRST_LIMIT = 30.0  # LPs before the first restart, at least
 _PER_CHOICE = 1.5  # and so many for each disjunction, to get to the bottom of a dive
 _DIVES = 4  # dives that are always granted
 _GROWTH = 1.1  # of that limit at each restart
+_GLANCE = 40.0, 0.5  # LPs and share of that limit, for dives before the first restart
 _INTEGRAL = 1e-6
 _SHORT = 3e-5  # aim this far below the bound, relative: less than any sensible gap
 _NONE = np.empty(0, np.int64)
@@ -61,7 +66,9 @@ def find_start(compiled: Compiled, most_lps: int = 700, seed: int = 0) -> Start 
     column = compiled.robustness.get(None)
     if column is None or len(compiled.robustness) != 1 or not _covers(compiled):
         return None
-    x, lps = _Search.of(compiled, column[0], column[2], seed).run(most_lps)
+    aim = column[2] - _SHORT * abs(column[2])
+    search = _Search.of(compiled, column[0], aim, seed)
+    x, lps = search.run(most_lps, guides(compiled, lambda level: partial(_level, level, aim)))
     if x is None:
         return None
     return Start(x, compiled.model.objective(x), _static_bound(compiled.model), lps)
@@ -110,6 +117,7 @@ class _Search:
     upper: Floats
     lower: Floats
     rng: np.random.Generator
+    liked: Floats  # (n,) by the guide that is followed, zeros without one
     lps: int = 0
     spent: int = 0
     restarts: int = 0
@@ -137,30 +145,55 @@ class _Search:
         for k, group in enumerate(groups):
             group_of[group] = k
         search = _Search(
-            model, rho, _load(model, rho, target - _SHORT * abs(target)),
+            model, rho, _load(model, rho, target),
             np.flatnonzero(model.integrality), groups, group_of,
             np.array(asserted, bool), np.array(over_time, bool), conflicts,
             model.col_upper.copy(), model.col_lower.copy(), np.random.default_rng(seed),
+            np.zeros(model.columns),
         )  # fmt: skip
         search._bound(dead, 0.0, 0.0)
         return search
 
-    def run(self, most: int) -> tuple[Floats | None, int]:
-        """Search; the point and the number of LPs."""
+    def run(self, most: int, guides: Iterator[Floats]) -> tuple[Floats | None, int]:
+        """Search; the point and the number of LPs. `guides` are looked at after a short dive."""
         if not self._solve():
             return None, self.lps
         limit = max(_FIRST_LIMIT, _PER_CHOICE * len(self.groups))
         most = max(most, _DIVES * int(limit))
-        while self.lps < most:
-            found, exhausted = self._dive(min(int(limit), most - self.lps))
+        glance = int(max(_GLANCE[0], _GLANCE[1] * limit))
+        found, exhausted = self._dive(glance)
+        for self.liked in guides if found is None and not exhausted else ():
+            self._let_go()
+            if self._fits(np.flatnonzero(self.liked == 1.0)):
+                return self._polished(self._point()), self.lps
+            found, exhausted = self._dive(glance)
             if found is not None or exhausted:
                 return found, self.lps
-            while self.trail:
-                self._undo(self.trail.pop())
-            self.restarts += 1
-            limit *= _GROWTH
+        self.liked = np.zeros(self.model.columns)
+        while found is None and not exhausted and self.lps < most:
+            self._let_go()
             self._shake()
-        return None, self.lps
+            self.restarts += 1
+            found, exhausted = self._dive(min(int(limit), most - self.lps))
+            limit *= _GROWTH
+        return found, self.lps
+
+    def _let_go(self) -> None:
+        while self.trail:
+            self._undo(self.trail.pop())
+
+    def _fits(self, columns: Ints) -> bool:
+        """Whether these alternatives, all taken, give a point; they are let go if not."""
+        if not self.upper[columns].all():
+            return False
+        self._bound(columns, 1.0, 1.0)
+        if self._solve():
+            part = self._point()[self.integers]
+            if (np.abs(part - np.round(part)) <= _INTEGRAL).all():
+                return True
+        self._bound(columns, 0.0, 1.0)
+        self._solve()
+        return False
 
     def _dive(self, limit: int) -> tuple[Floats | None, bool]:
         """Decide and backtrack until a point, the limit, or the end of the tree."""
@@ -171,7 +204,7 @@ class _Search:
                     return None, True
                 fits = self._still_fits(self.trail[-1].column)
                 continue
-            x = np.array(self.lp.getSolution().col_value)
+            x = self._point()
             column = self._pick(x)
             if column is None:
                 return self._polished(x), False
@@ -188,10 +221,16 @@ class _Search:
             self.rho, float(model.col_lower[self.rho]), float(model.col_upper[self.rho])
         )
         self.lp.changeColsCost(len(every), every, model.c)
-        return np.array(self.lp.getSolution().col_value) if self._solve() else x
+        return self._point() if self._solve() else x
+
+    def _point(self) -> Floats:
+        return np.array(self.lp.getSolution().col_value)
 
     def _pick(self, x: Floats) -> int | None:
         """The literal to set next; None where all integer columns are integral."""
+        guided = self._follow()
+        if guided is not None:
+            return guided
         part = x[self.integers]
         loose = np.abs(part - np.round(part)) > _INTEGRAL
         if not loose.any():
@@ -201,10 +240,19 @@ class _Search:
         if best < 0 or scores[best] < 0:
             return int(self.integers[loose][np.argmax(part[loose])])
         group = self.groups[best]
-        likes = x[group]
+        likes = np.where(self.upper[group] > 0, x[group] + self.liked[group], -1.0)
         if self.restarts:
             likes = likes * (0.3 + 0.7 * self.rng.random(len(group)))
         return int(group[np.argmax(likes)])
+
+    def _follow(self) -> int | None:
+        """The alternative in time that the guide likes, of a disjunction not yet decided."""
+        for k in map(int, np.flatnonzero(self.over_time & self.asserted)):
+            group = self.groups[k]
+            liked = np.where(self.upper[group] > 0, self.liked[group], 0.0)
+            if liked.any() and not (self.lower[group] > 0.5).any():
+                return int(group[np.argmax(liked)])
+        return None
 
     def _score(self, k: int, values: Floats) -> float:
         if (np.abs(values - np.round(values)) <= _INTEGRAL).all():

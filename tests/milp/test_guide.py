@@ -1,0 +1,62 @@
+"""Runs of lattices and the search that follows them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stlc.milp.compile import Compiled, compile_mission
+from stlc.milp.guide import guides
+from stlc.milp.start import find_start
+from stlc.mission import Mission
+from tests.milp.worlds import value
+
+HEAD = """step 1 s
+horizon {steps}
+workspace box [0, 10] x [0, 10]
+dynamics cart = double_integrator
+agent r : cart {{
+  start (1, 1)
+  control |u| <= 1
+  state |v| <= 2
+}}
+region wall = box [4, 5] x [0, 7]
+region key = box [1, 3] x [8, 10]
+region door = box [6, 7] x [0, 10]
+region goal = box [8, 10] x [0, 2]
+require clear: always r outside wall
+require unlock: (r outside door) until r in key
+require arrive: eventually r in goal
+maximize robustness
+"""
+
+
+def compiled(steps: int) -> Compiled:
+    return compile_mission(Mission.from_text(HEAD.format(steps=steps)))
+
+
+def test_exact_guide_satisfies_the_mission() -> None:
+    one = compiled(16)
+    aim = 0.9 * one.robustness[None][2]
+    liked = next(guides(one, lambda level: lambda unit: aim))
+    assert ((liked >= 0) & (liked <= 1)).all()
+    for encoded in one.encoded:
+        for _, pairs in encoded.choices:
+            assert max(liked[column] for _, column in pairs) == 1.0
+
+
+@pytest.mark.parametrize("steps", [14, 20])
+def test_start_reaches_the_bound_around_a_wall_and_through_a_door(steps: int) -> None:
+    one = compiled(steps)
+    start = find_start(one)
+    assert start is not None
+    assert start.is_optimal(1e-4)
+    run = one.decode(start.x)
+    worst = min(value(r.formula, run) for r in one.mission.requirements)
+    assert worst == pytest.approx(-start.objective, abs=1e-6)
+
+
+def test_no_guide_where_there_is_no_run() -> None:
+    one = compiled(16)
+    assert not list(guides(one, lambda level: lambda unit: 1.5))
+    assert np.isfinite(one.robustness[None][2])
