@@ -69,22 +69,22 @@ def _grow(inside: Ints, open_: Ints, seeds: Ints) -> Ints:
     """Boxes (S, 2 d) grown to maximal ones within the set."""
     axes = seeds.shape[1]
     shape = np.array(inside.shape) - 1
-    sides, every = np.arange(2 * axes), np.arange(len(seeds))
+    sides, growing = np.arange(2 * axes), np.arange(len(seeds))
     corners = np.stack([seeds, seeds + 1], axis=2)  # (S, d, 2): half-open low and high
     outwards = np.zeros((2 * axes, axes, 2), np.int64)
     outwards[sides, sides // 2, sides % 2] = np.where(sides % 2, 1, -1)
-    while True:
-        wider = corners[None] + outwards[:, None]
-        fits = (wider[..., 0] >= 0).all(axis=2) & (wider[..., 1] <= shape).all(axis=2)
-        wider = np.clip(wider, 0, shape[:, None])
-        volume = np.prod(wider[..., 1] - wider[..., 0], axis=2)
-        fits &= _count(inside, wider) == volume
-        gains = np.where(fits, _count(open_, wider), -1)
+    while len(growing):
+        wider = corners[growing] + outwards[:, None]
+        fits = np.all((wider[..., 0] >= 0) & (wider[..., 1] <= shape), axis=2)
+        wider = wider[fits]
+        full = _count(inside, wider) == np.prod(wider[..., 1] - wider[..., 0], axis=1)
+        fits[fits] = full
+        gains = np.full(fits.shape, -1)
+        gains[fits] = _count(open_, wider[full])
         side = gains.argmax(axis=0)
-        grows = gains[side, every] >= 0
-        if not grows.any():
-            break
-        corners[grows] += outwards[side[grows]]
+        grows = gains.max(axis=0) >= 0
+        growing = growing[grows]
+        corners[growing] += outwards[side[grows]]
     corners[:, :, 1] -= 1
     return corners.reshape(len(seeds), -1)
 
@@ -132,7 +132,9 @@ def _count(summed: Ints, corners: Ints) -> Ints:
     flat = corners * strides[:, None]
     index = flat[..., 0, :]
     for axis in range(1, axes):
-        index = (index[..., :, None] + flat[..., axis, None, :]).reshape(*index.shape[:-1], -1)
+        index = (index[..., :, None] + flat[..., axis, None, :]).reshape(
+            *index.shape[:-1], 2 << axis
+        )
     return np.asarray(summed.ravel()[index] @ _signs(axes))
 
 
