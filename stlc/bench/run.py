@@ -76,7 +76,9 @@ class _Known:
 
     def record(self, wall: float) -> Record:
         """The finished run."""
-        fields = {"status": "failed", "message": "it gave no answer"} | self.fields
+        fields = dict(self.fields)
+        if "status" not in fields:
+            fields |= {"status": "failed", "message": "it gave no answer"}
         fields.pop("code", None)
         fields["gap_60"] = _gap_at_mark(self.trace, fields)
         points = tuple((p.seconds, p.objective, p.bound, p.nodes) for p in _thinned(self.trace))

@@ -27,6 +27,7 @@ def _run(made: object) -> Record:
 def test_every_figure_of_a_solved_run() -> None:
     run = _run(job(config=Config(strategy="milp")))
     assert (run.status, run.certified, run.solved) == ("optimal", True, True)
+    assert run.message == ""
     assert run.rows
     assert run.columns
     assert run.nonzeros
