@@ -123,6 +123,12 @@ MESSAGES: Final[tuple[Message, ...]] = (
         "expected parentheses",
         "group with `(` and `)`; braces hold the properties of agents, dynamics and channels",
     ),
+    Message(
+        ("require a: swept x in g", "require a: forall a in b: swept a outside g"),
+        "`swept` stands last",
+        "expected a formula",
+        "write `r1 outside pillar swept`",
+    ),
     # --- intervals ---
     Message(
         ("require a: always[] x > 0", "require a: always[0,] x > 0", "require a: always[,5] x > 0",

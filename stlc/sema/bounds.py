@@ -122,6 +122,8 @@ def _comparison(
     """A chain such as `-1 <= u <= 2`: exactly one operand is bounded."""
     targets = [_target(e, bounds.dynamics) for e in expr.operands]
     where = [k for k, t in enumerate(targets) if t is not None]
+    if item.key.text == "speed" and not where:
+        raise props.bad(item, "needs dynamics that name their velocity", "velocity vx vy")
     if len(where) != 1 or any(o in ("==", "!=") for o in expr.operators):
         raise props.bad(item, "must compare one state or input with constants", usage_of("state"))
     target = targets[where[0]]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from stlc.sema.name_errors import EmptyDomain, TooManyPieces, WrongKind
-from stlc.sema.report import Mistake
+from stlc.sema.report import Mistake, Reported
 from stlc.sema.scope import Scope
 from stlc.sema.values import Env, Items, Scalar, Value, describe
 from stlc.source import Span
@@ -44,8 +44,24 @@ def domain_items(expr: ast.Expr, env: Env, scope: Scope) -> Items:
     if not isinstance(value, Items):
         raise Mistake(EmptyDomain(span=expr.span, problem=f"{describe(value)} has no members"))
     if not value.items and value.what != "list of pairs":
+        if scope.report.errors and (scope.broken or _declared(expr, scope)):
+            raise Reported  # its members have mistakes
         raise Mistake(EmptyDomain(span=expr.span, problem=f"this {value.what} is empty"))
     return value
+
+
+_KINDS = {
+    "agents": ast.AgentDecl,
+    "stations": ast.StationDecl,
+    "regions": ast.RegionDecl,
+    "obstacles": ast.ObstacleDecl,
+}
+
+
+def _declared(expr: ast.Expr, scope: Scope) -> bool:
+    """Whether the file has something of that kind, whatever came of it."""
+    kind = _KINDS.get(expr.text) if isinstance(expr, ast.Name) else None
+    return kind is not None and any(isinstance(d, kind) for d in scope.declarations.values())
 
 
 def _steps(expr: ast.Range, env: Env, scope: Scope) -> Items:

@@ -156,3 +156,19 @@ def test_mistakes(text: str, code: str) -> None:
 def test_steps_that_no_dynamics_can_have(step: str) -> None:
     with pytest.raises(MissionError, match="step"):
         Mission.from_text(f"step {step}\nagent a : double_integrator {{ start (0, 0) }}\n")
+
+
+def test_agents_with_mistakes_are_no_empty_list() -> None:
+    text = "agent a : kart { start (1, 1) }\nrequire: forall r in agents: eventually[0, 3] r.x >= 2"
+    with pytest.raises(MissionError) as caught:
+        Mission.from_text(text)
+    assert [d.code for d in caught.value.diagnostics] == ["E0201"]
+
+
+def test_a_speed_needs_a_velocity() -> None:
+    text = (
+        "dynamics d { A = [[1, 0], [0, 1]]; B = [[1], [0]] }\n"
+        "agent a : d { start (0, 0); speed <= 2 }\nrequire: eventually[0, 3] a.x0 >= 1"
+    )
+    with pytest.raises(MissionError, match="needs dynamics that name their velocity"):
+        Mission.from_text(text)
