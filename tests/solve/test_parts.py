@@ -9,6 +9,7 @@ from stlc.ir.nodes import Link, walk
 from stlc.milp.compile import Compiled
 from stlc.solve.driver import judge_point
 from stlc.solve.parts.bounds import bounded, least, parts_of
+from stlc.solve.parts.joint import Joint
 from stlc.solve.parts.project import project
 from stlc.solve.strategy import run_strategy
 
@@ -108,6 +109,24 @@ def test_a_team_that_gets_along_needs_no_solver_for_the_whole() -> None:
     found = run_strategy("auto", compiled, HIGHS, SolveOptions())
     assert found.status is Status.OPTIMAL
     assert found.solver_version.startswith("agents alone")
+
+
+@pytest.mark.parametrize("agents", [2, 3])
+def test_agents_in_each_others_way_are_planned_one_after_the_other(agents: int) -> None:
+    ways = ((1, 3, 5), (5, 3, 1))
+    text = HEAD.format(steps=4) + REGIONS.format(low=1, high=5).replace("2.5, 3.2", "2.9, 3")
+    for k, y in enumerate(ways[0][:agents], start=1):
+        text += AGENT.format(k=k, x=1, y=y, w=1)
+        goal = f"box [4.5, 5] x [{ways[1][k - 1] - 0.2}, {ways[1][k - 1] + 0.2}]"
+        text += f"region goal{k} = {goal}\nrequire reach{k}: eventually r{k} in goal{k}\n"
+    text += "require apart: forall (a, b) in pairs: always separation(a, b) >= 1.5 m\n"
+    compiled = Mission.from_text(text + "minimize effort").compile()
+    parts = parts_of(compiled, HIGHS, EXACT)
+    joint = Joint(bounded(compiled, parts), parts, HIGHS, EXACT)
+    assert joint._held(joint.alone) is None
+    x = joint.run()
+    assert x is not None
+    assert compiled.model.objective(x) >= (plain(compiled)[1] or np.inf) - 1e-5
 
 
 def test_projection_leaves_out_what_others_are_asked() -> None:

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stlc.backends.base import Backend, Solution, SolveOptions, Status
+from stlc.backends.base import Backend, Capability, Solution, SolveOptions, Status
 from stlc.errors import InfeasibleError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.milp.model import Block, Floats, Ints, Model, Origin
@@ -25,6 +25,7 @@ from stlc.solve.parts.project import project
 _SLACK = 1e-6  # relative: solvers satisfy rows to within about this
 _MOST = 20.0  # s for one agent, and no more than a share of the time limit
 _SHARE = 0.1
+_NEEDED = Capability.TIME_LIMIT | Capability.GAP
 
 Run = tuple[Floats, Floats]
 
@@ -40,7 +41,13 @@ class Part:
 
 
 def parts_of(compiled: Compiled, backend: Backend, options: SolveOptions) -> tuple[Part, ...]:
-    """Each agent of a team alone; nothing for one agent, or where no effort is minimised."""
+    """Each agent of a team alone.
+
+    Nothing for a single agent, where more than effort is minimised, or by a solver that knows no
+    limits.
+    """
+    if backend.capabilities & _NEEDED != _NEEDED:
+        return ()
     mission = compiled.mission
     terms = [term for term in mission.objective if term.weight != 0]
     if len(mission.agents) < 2 or not any(term.kind is TermKind.EFFORT for term in terms):

@@ -17,7 +17,7 @@ from stlc.backends.base import Backend, SolveOptions
 from stlc.errors import InfeasibleError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.milp.model import Floats, Model
-from stlc.solve.parts.bounds import Part, Run, brief
+from stlc.solve.parts.bounds import Part, Run, brief, least
 from stlc.solve.parts.project import project
 from stlc.solve.start import hold
 
@@ -36,6 +36,7 @@ class Joint:
     ) -> None:
         self.compiled, self.backend, self.options = compiled, backend, options
         self.began = time.perf_counter()
+        self.aim = least(compiled, parts)
         self.alone = {p.agent: p.run for p in parts if p.run is not None}
         self.x: Floats | None = options.start
         self.value = np.inf if self.x is None else compiled.model.objective(self.x)
@@ -63,7 +64,9 @@ class Joint:
 
     def _offer(self, x: Floats | None) -> bool:
         """Take x if it is better by the gap."""
-        value = np.inf if x is None else self.compiled.model.objective(x)
+        if x is None:
+            return False
+        value = self.compiled.model.objective(x)
         if value >= self.value - self.options.gap * abs(value):
             return False
         self.x, self.value = x, value
@@ -78,7 +81,9 @@ class Joint:
         return self.backend.solve(model, brief(self.options, self.options.gap)).x
 
     def _over(self) -> bool:
-        """Whether it was asked to stop, or has had its share of the time."""
+        """Whether the plan is optimal, its share of the time is over, or it was asked to stop."""
+        if self.value - self.aim <= self.options.gap * abs(self.value) < np.inf:
+            return True
         stop, limit = self.options.should_stop, self.options.time_limit or _LONG
         late = time.perf_counter() - self.began > min(_MOST, _SHARE * limit)
         return late or (stop is not None and stop())
