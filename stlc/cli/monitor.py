@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stlc.cli.common import load, mission_options, show_diagnostics
+from stlc.cli.common import load, mission_options, plain, show_diagnostics
 from stlc.errors import StlcError, UsageError
 
 if TYPE_CHECKING:
@@ -162,7 +162,7 @@ def _table(report: MonitorReport, row: int, by_subformula: bool) -> str:
         lines.append(_line(formula, width, report, row))
         for part in formula.parts if by_subformula else ():
             known = row < len(part.robustness)
-            value = f"{part.robustness[row]:.6g}" if known else "-"
+            value = plain(float(part.robustness[row])) if known else "-"
             place = f"{part.span.line}:{part.span.column}" if part.span else ""
             lines.append(f"    {value:>12}  {place:>7}  {'  ' * (part.depth - 1)}{part.text}")
     return "\n".join(lines)
@@ -178,7 +178,8 @@ def _line(formula: Monitored, width: int, report: MonitorReport, row: int) -> st
     holds = formula.satisfied
     lost = [k for k in range(len(holds)) if not holds[k]]
     tail = f", not at {report.times[lost[0]]:g} s" if lost else ""
+    value = plain(float(formula.robustness[row]))
     return (
-        f"{'ok ' if holds[row] else 'NO '} {name}  robustness {formula.robustness[row]:.6g}"
+        f"{'ok ' if holds[row] else 'NO '} {name}  robustness {value}"
         f"; holds at {int(holds.sum())} of {len(holds)} samples{tail}"
     )

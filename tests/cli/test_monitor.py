@@ -201,3 +201,11 @@ def test_bytes_that_are_no_text(tmp_path: Path, monkeypatch: Patch) -> None:
     source = tmp_path / "spec.stl"
     source.write_bytes(b"always \xff\xfe x")
     assert run(monkeypatch, "import", "--dialect", "rtamt", source) == 1
+
+
+def test_nothing_has_a_sign_at_zero(tmp_path: Path, monkeypatch: Patch, capsys: Capture) -> None:
+    spec = tmp_path / "low.stl"
+    spec.write_text("step 0.5 s\nsignal speed\nrequire low: not (speed >= 3)\n")
+    trace = write_trace(tmp_path / "low.csv", [(0, 3), (0.5, 1)], "time,speed")
+    assert run(monkeypatch, "monitor", spec, trace, "--by-subformula") == 0
+    assert "robustness 0;" in capsys.readouterr().out
