@@ -170,8 +170,8 @@ def _equalities(box: Box, matrix: Floats, step: int) -> None:
         y = room_high / matrix
     lower = np.where(matrix > 0, x, np.where(matrix < 0, y, -np.inf))
     upper = np.where(matrix > 0, y, np.where(matrix < 0, x, np.inf))
-    low = np.maximum(low, np.nan_to_num(lower, nan=-np.inf, posinf=np.inf).max(axis=0) - _SLACK)
-    high = np.minimum(high, np.nan_to_num(upper, nan=np.inf, neginf=-np.inf).min(axis=0) + _SLACK)
+    low = np.maximum(low, np.where(np.isnan(lower), -np.inf, lower).max(axis=0) - _SLACK)
+    high = np.minimum(high, np.where(np.isnan(upper), np.inf, upper).min(axis=0) + _SLACK)
     box.x_lower[step], box.u_lower[step] = low[:n], _whole(low[n:], box, np.ceil)
     box.x_upper[step], box.u_upper[step] = high[:n], _whole(high[n:], box, np.floor)
 
@@ -254,7 +254,8 @@ def position_ranges(position: Floats | None, lower: Floats, upper: Floats) -> tu
 
 def _ordered(lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
     crossed = lower > upper
-    middle = (lower + upper) / 2
+    with np.errstate(invalid="ignore"):
+        middle = (lower + upper) / 2
     return np.where(crossed, middle, lower), np.where(crossed, middle, upper)
 
 
