@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 _MOST = ((2, 10_000_000), (1, 60_000_000))  # parts of a control, lattice states over all steps
 _MOST_BITS = 6
+_LESS = 0.99
 _GUIDES = ((1.0, 0.0), (0.85, 0.3), (0.9, 0.5), (0.65, 0.4), (0.75, 0.5))
 """Share of the controls; share of the spacing by which predicates may be missed. Exact first."""
 
@@ -92,7 +93,8 @@ def guides(compiled: Compiled, level_of: Callable[[Level], LevelOf]) -> Iterator
                 values = np.array([robustness(part, runs) for part, _ in pairs])
                 if np.isfinite(values.max(initial=-np.inf)):
                     columns = [column for _, column in pairs]
-                    liked[columns] = 1.0 / (1.0 + values.max() - values)
+                    liked[columns] = _LESS / (1.0 + values.max() - values)
+                    liked[columns[int(values.argmax())]] = 1.0  # one alone where several tie
         yield liked
 
 
