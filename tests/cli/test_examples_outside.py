@@ -4,7 +4,8 @@
 time) SCIP: they get small siblings (the flat with 5 steps and the hall alone, the paper's case
 with 7 steps on 2 x 2 cells), solved by all; and the examples' own files are read back by HiGHS,
 GLPK and SCIP and compared number by number; CBC, which tells nobody what it has read, finds the
-optimum of the paper's LP relaxation. HiGHS solves the flat itself. All plans come by the commands
+optimum of the paper's LP relaxation. HiGHS solves the flat itself; SCIP proves the paper's own
+case from its MPS file and the best plan as a start, in a minute. All plans come by the commands
 that a person would type: `compile`, the solver, `read-solution`, `verify`.
 """
 
