@@ -10,14 +10,17 @@ from stlc.backends.base import Backend, Capability, Solution, SolveOptions, Stat
 from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
 
+_SMALL = 1500  # columns
+_MOMENT = 1.0  # s
+
 
 def run_strategy(
     name: str, compiled: Compiled, backend: Backend, options: SolveOptions
 ) -> Solution:
-    """`milp`: one plain solve. `auto`: teams that minimise effort are bounded by what each agent
-    does alone; links between moving agents have a search of their own; else a start is looked for
-    first where the model offers one, and one that reaches a static bound is optimal and needs no
-    solver."""
+    """`milp`: one plain solve. `auto`: small models are tried at once for a moment; teams that
+    minimise effort are bounded by what each agent does alone; links between moving agents have a
+    search of their own; else a start is looked for first where the model offers one, and one that
+    reaches a static bound is optimal and needs no solver."""
     if name != "auto":
         return solve_twice_if_infeasible(compiled.model, backend, options)
     from stlc.solve.links.strategy import solve_links
@@ -25,12 +28,16 @@ def run_strategy(
     from stlc.solve.parts.strategy import remaining, solve_team
 
     began = time.perf_counter()
+    if _is_small(compiled) and Capability.TIME_LIMIT & backend.capabilities:
+        at_once = solve_twice_if_infeasible(compiled.model, backend, _moment(options))
+        if at_once.status in (Status.OPTIMAL, Status.INFEASIBLE):
+            return at_once
     parts = parts_of(compiled, backend, options)
     finish = partial(solve_twice_if_infeasible, compiled.model, backend)
     if parts:
         compiled = bounded(compiled, parts)
         finish = partial(solve_team, compiled, parts, backend)
-        options = remaining(options, time.perf_counter() - began)
+    options = remaining(options, time.perf_counter() - began)
     linked = solve_links(compiled, backend, options, finish)
     if linked is not None:
         return linked
@@ -49,6 +56,16 @@ def run_strategy(
     if found is not None and Capability.START & backend.capabilities:
         options = replace(options, start=found.x)
     return finish(remaining(options, time.perf_counter() - began))
+
+
+def _is_small(compiled: Compiled) -> bool:
+    """A team's model so small that a plain solve mostly ends before any search has begun."""
+    return len(compiled.states) > 1 and not compiled.robustness and compiled.model.columns <= _SMALL
+
+
+def _moment(options: SolveOptions) -> SolveOptions:
+    limit = _MOMENT if options.time_limit is None else min(_MOMENT, 0.1 * options.time_limit)
+    return replace(options, time_limit=limit)
 
 
 def solve_twice_if_infeasible(model: Model, backend: Backend, options: SolveOptions) -> Solution:

@@ -21,7 +21,8 @@ from stlc.solve.parts.bounds import Part, Run, brief, least
 from stlc.solve.parts.project import project
 from stlc.solve.start import hold
 
-_FREE = 2  # agents at once that answer the others
+_MANY = 4  # agents: two of fewer are nearly the whole
+_FAR = 0.02  # relative: from here on the solver finds the rest soon
 _SOON = 1.0  # s
 _SHARE = 0.3  # of the time limit
 _MOST = 60.0  # s
@@ -52,11 +53,15 @@ class Joint:
         return self.x
 
     def _descend(self, names: Sequence[str]) -> None:
-        """Let one agent, then two, answer the others anew, for as long as that helps."""
-        for size in range(1, min(_FREE, len(names) - 1) + 1):
-            groups = list(combinations(names, size))
-            while any([self._offer(self._answer(group)) for group in groups]):
-                continue
+        """Let one agent, then two of many, answer the others anew, for as long as that helps."""
+        self._turns(combinations(names, 1))
+        if len(names) >= _MANY and self.value - self.aim > _FAR * abs(self.value):
+            self._turns(combinations(names, 2))
+
+    def _turns(self, groups: Iterable[tuple[str, ...]]) -> None:
+        groups = list(groups)
+        while any([self._offer(self._answer(group)) for group in groups]):
+            continue
 
     def _cheap(self) -> bool:
         """Whether teams that grow by one agent after the other are soon compiled."""
