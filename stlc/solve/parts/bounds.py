@@ -25,6 +25,7 @@ from stlc.solve.parts.project import project
 _SLACK = 1e-6  # relative: solvers satisfy rows to within about this
 _MOST = 20.0  # s for one agent, and no more than a share of the time limit
 _SHARE = 0.1
+_LEAST = 1.0  # s
 _NEEDED = Capability.TIME_LIMIT | Capability.GAP
 
 Run = tuple[Floats, Floats]
@@ -43,10 +44,10 @@ class Part:
 def parts_of(compiled: Compiled, backend: Backend, options: SolveOptions) -> tuple[Part, ...]:
     """Each agent of a team alone.
 
-    Nothing for a single agent, where more than effort is minimised, or by a solver that knows no
-    limits.
+    Nothing for a single agent, where more than effort is minimised, by a solver that knows no
+    limits, or in less than a second.
     """
-    if backend.capabilities & _NEEDED != _NEEDED:
+    if backend.capabilities & _NEEDED != _NEEDED or (options.time_limit or np.inf) < _LEAST:
         return ()
     mission = compiled.mission
     terms = [term for term in mission.objective if term.weight != 0]

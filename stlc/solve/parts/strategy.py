@@ -44,7 +44,7 @@ def remaining(options: SolveOptions, seconds: float) -> SolveOptions:
     """Options with the time limit that is left after some seconds."""
     if options.time_limit is None:
         return options
-    return replace(options, time_limit=max(options.time_limit - seconds, 0.1))
+    return replace(options, time_limit=max(options.time_limit - seconds, 0.01))
 
 
 def _kept(found: Solution, x: Floats, value: float, bound: float) -> Solution:
