@@ -123,6 +123,7 @@ def _summary(outcome: Outcome) -> str:
         f"  {r.name:20} robustness {'-' if r.robustness is None else plain(r.robustness)}"
         for r in outcome.plan.requirements
     ]
+    lines += [f"  note: {c}" for c in outcome.report.clearances if c.is_cut]
     if outcome.confirmation is not None:
         lines.append(f"  second solver: {outcome.confirmation}")
     took = ", ".join(f"{k} {v:.2f} s" for k, v in outcome.seconds.items())

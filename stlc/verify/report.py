@@ -83,6 +83,20 @@ class Clearance:
     value: float
     time: float
 
+    @property
+    def is_cut(self) -> bool:
+        """Within the body of an obstacle."""
+        return self.what == "body" and self.value < -1e-6
+
+    def __str__(self) -> str:
+        if self.is_cut:
+            return (
+                f"{self.agent} cuts {-self.value:.4g} m into the body of {self.other} "
+                f"at {self.time:.3g} s; a requirement with `swept` forbids that"
+            )
+        words = _CLEARANCE[self.what].format(self)
+        return f"{words}: {self.value:.4g} m at {self.time:.3g} s, between samples included"
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Report:
@@ -195,17 +209,7 @@ def _objective_lines(report: Report) -> list[str]:
 
 
 def _clearance_lines(clearances: tuple[Clearance, ...]) -> list[str]:
-    return [f"  {_clearance(c)}" for c in clearances if c.what in ("body", "distance")]
-
-
-def _clearance(c: Clearance) -> str:
-    if c.what == "body" and c.value < -1e-6:
-        return (
-            f"{c.agent} cuts {-c.value:.4g} m into the body of {c.other} at {c.time:.3g} s; "
-            "a requirement with `swept` forbids that"
-        )
-    words = _CLEARANCE[c.what].format(c)
-    return f"{words}: {c.value:.4g} m at {c.time:.3g} s, between samples included"
+    return [f"  {c}" for c in clearances if c.what in ("body", "distance")]
 
 
 _CLEARANCE = {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -125,6 +126,23 @@ def test_another_missions_plan_is_refused_with_reasons(folder: Path) -> None:
     start = stlc("solve", "c.stl", "--start", "p.json", "--no-explain", folder=folder)
     assert start.returncode == 3
     assert "the start plan is no plan for this mission" in start.stderr
+
+
+CORNER = """workspace box [0, 5] x [0, 5]
+dynamics cart = single_integrator
+agent a : cart { start (0, 0); control |u| <= 5 }
+region far = box [4, 5] x [4, 5]
+obstacle rock = box [2, 3] x [2, 3]
+require go: eventually[0, 1] a in far
+require clear: always a outside rock
+"""
+
+
+def test_a_cut_between_samples_is_told(tmp_path: Path) -> None:
+    (tmp_path / "m.stl").write_text(CORNER)
+    done = stlc("solve", "m.stl", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert re.search(r"note: a cuts 0\.\d+ m into the body of rock at 0\.\d+ s", done.stdout)
 
 
 def test_a_limit_with_a_plan_in_hand_is_good(tmp_path: Path) -> None:
