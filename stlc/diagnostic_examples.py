@@ -228,4 +228,8 @@ EXAMPLES: Final[dict[str, tuple[str, str]]] = {
         "require a: always[0, 5] r1 in dock",
         "require a: always[4, 5] r1 in dock",
     ),
+    "W1011": (
+        "agent c : double_integrator { start (1, 1); control u <= 1 }",
+        "agent c : double_integrator { start (1, 1); control |u| <= 1 }",
+    ),
 }

@@ -19,6 +19,7 @@ from stlc.sema.shape_errors import FrozenAtStart, MissingStart, TurnRateNeeds
 from stlc.sema.shapes import Shaper
 from stlc.sema.units import KILOGRAM, METRE, SPEED
 from stlc.sema.values import Env, Items, Radio, Scalar
+from stlc.sema.warnings import OneSided
 from stlc.syntax import ast
 
 PROPERTIES = (
@@ -77,6 +78,7 @@ def agent(statement: ast.AgentDecl, name: str, env: Env, scope: Scope) -> Agent:
         if prop.key.text in ("control", "speed", "state", *limits):
             with scope.report.guard():
                 apply(prop, bounds, scope)
+    _tell_of_open_sides(name, bounds, block, scope)
     made = Agent(
         name=name,
         dynamics=base,
@@ -98,6 +100,18 @@ def agent(statement: ast.AgentDecl, name: str, env: Env, scope: Scope) -> Agent:
     with scope.report.guard():
         return replace(made, turn_rate=turn_rate(block, made, scope))
     return made
+
+
+def _tell_of_open_sides(name: str, bounds: Bounds, block: props.Block, scope: Scope) -> None:
+    """Warn of controls with a bound on one side alone, unless a norm bounds both."""
+    round_ones = {i for norm in bounds.input_norms for i in norm.indices}
+    for i, word in enumerate(bounds.dynamics.inputs):
+        below, above = np.isfinite([bounds.input_lower[i], bounds.input_upper[i]])
+        item = block.get("control") or block.get(word)
+        if below == above or i in round_ones or item is None:
+            continue
+        side = "lower" if above else "upper"
+        scope.report.add(OneSided(span=item.span, name=word, agent=name, side=side))
 
 
 def _known(

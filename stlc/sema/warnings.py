@@ -121,3 +121,18 @@ class NeverFromStart(Warn):
     name: str
     best: float
     margin: float
+
+
+class OneSided(Warn):
+    """A control is bounded on one side only, so it may be as large as one likes on the other.
+
+    `control u <= 1` leaves u = -1000 open; `control |u| <= 1` bounds both sides.
+    """
+
+    code: ClassVar[str] = "W1011"
+    title: ClassVar[str] = "control `{name}` of {agent} has no {side} bound"
+    label: ClassVar[str] = "bounds one side"
+    help: ClassVar[str] = "write `control |u| <= 1` if both signs are meant"
+    name: str
+    agent: str
+    side: str
