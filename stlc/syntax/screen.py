@@ -51,6 +51,9 @@ def stray(source: Source, token: Token) -> Diagnostic:
         advice = f"write {wanted}; this look-alike comes with text copied from a document"
         fix = Fix(span, lookalike)
         return UnknownCharacter(span=span, shown=_shown(char), advice=advice, fix=fix)
+    if char == "%":
+        advice, fix = "comments begin with `#` or `//`", Fix(span, "#")
+        return UnknownCharacter(span=span, shown=_shown(char), advice=advice, fix=fix)
     return UnknownCharacter(span=span, shown=_shown(char))
 
 

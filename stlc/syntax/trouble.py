@@ -73,7 +73,8 @@ def explain(trouble: Trouble) -> Explained:
     if _alien_line(trouble):
         return _unknown_statement(trouble)
     mistake = (
-        _past(trouble)
+        _dashes(trouble)
+        or _past(trouble)
         or _bad_number(trouble)
         or _single_equals(trouble)
         or misspelt(trouble.source, trouble.tokens, trouble.index)
@@ -112,6 +113,19 @@ def _unknown_statement(trouble: Trouble) -> Explained:
     advice, fix = f"did you mean `{near[0]}`?", Fix(span, near[0])
     mistake = UnknownStatement(span=span, word=token.text, advice=advice, fix=fix)
     return Explained(mistake, before, (meant, *rest[1:]))
+
+
+def _dashes(trouble: Trouble) -> Diagnostic | None:
+    """A line that begins with `--`, as comments do elsewhere."""
+    start, text = trouble.token.start, trouble.source.text
+    line = text.rfind("\n", 0, start) + 1
+    if trouble.at_end or text[line:start].strip() or text[start : start + 2] != "--":
+        return None
+    span = trouble.source.span(start, start + 2)
+    what, place = "a line begins with `--`", "no comment here"
+    return SyntaxMistake(
+        span=span, what=what, place=place, advice="comments begin with `#` or `//`"
+    )
 
 
 def _past(trouble: Trouble) -> Diagnostic | None:
