@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from statistics import median
 
@@ -38,6 +38,11 @@ class Family:
     gap: Spread
     proof: Spread
     cpu: Spread
+
+
+def gap_title(limits: Iterable[float]) -> str:
+    """Head of the column of `gap_60`, for runs of these time limits [s]."""
+    return f"gap at {min(60.0, max(limits)):g} s"
 
 
 def families_of(table: Table) -> list[Family]:

@@ -17,12 +17,15 @@ _QUANTITIES = (
     ("compile_seconds", "compile time [s]"),
 )
 
+_TREND = 0.5  # R^2
+
 
 @dataclass(frozen=True, slots=True)
 class Growth:
     """value ~ factor * size ** exponent, least squares over logarithms.
 
-    None without three sizes; `quality` is R^2 (1 for a perfect fit). `missing` problems have no
+    None without three sizes, or where the fit explains less than half of how the values differ;
+    `quality` is R^2 (1 for a perfect fit). `missing` problems have no
     value: they reached their time limit, so that the true exponent is greater.
     """
 
@@ -48,7 +51,8 @@ def growth(label: str, points: Iterable[tuple[float, float]], missing: int = 0) 
     left = float(np.sum((y - exponent * x - offset) ** 2))
     total = float(np.sum((y - y.mean()) ** 2))
     quality = 1.0 - left / total if total > 0 else 1.0
-    return Growth(label, sizes, values, exponent, math.exp(offset), quality, missing)
+    fitted = exponent if quality >= _TREND else None
+    return Growth(label, sizes, values, fitted, math.exp(offset), quality, missing)
 
 
 def _by_axis(table: Table) -> dict[str, list[tuple[float, Group]]]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from stlc.bench.about import about, commands
 from stlc.bench.compare import Change
-from stlc.bench.families import Family, families_of, spread_text
+from stlc.bench.families import Family, families_of, gap_title, spread_text
 from stlc.bench.groups import Group, Table, disagreements, groups_of, tables_of
 from stlc.bench.growth import Growth, growths
 from stlc.bench.measures import Summary, summaries
@@ -57,8 +57,9 @@ def _line(one: Summary) -> str:
 def _families(families: Sequence[Family]) -> list[str]:
     if not families:
         return []
+    gap = gap_title(family.limit for family in families)
     head = (
-        f"{'median / worst of each family':32}{'first plan [s]':>20}{'gap at 60 s':>20}"
+        f"{'median / worst of each family':32}{'first plan [s]':>20}{gap:>20}"
         f"{'proof [s]':>20}{'processor [s]':>20}{'proven':>10}"
     )
     return ["", head, *(_family(family) for family in families)]

@@ -34,6 +34,9 @@ def test_growth_finds_the_exponent() -> None:
     assert fitted.quality == pytest.approx(1.0)
     assert growth("auto", [(1, 1), (2, 2)]).exponent is None
     assert growth("auto", [(1, 1), (2, 0), (3, 3)]).exponent is None  # 0 has no logarithm
+    scattered = growth("auto", [(1, 3), (2, 1), (4, 2), (8, 3)])
+    assert scattered.exponent is None  # no trend
+    assert scattered.quality < 0.5
 
 
 def test_ratios_medians_and_limits() -> None:
