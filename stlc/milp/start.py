@@ -18,7 +18,7 @@ integral is feasible for the whole model.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -57,8 +57,15 @@ class Start:
         return self.objective - self.bound <= max(gap * abs(self.objective), 1e-7)
 
 
-def find_start(compiled: Compiled, most_lps: int = 700, seed: int = 0) -> Start | None:
-    """A start, or None where none was found within `most_lps` linear programs (or a few dives).
+def _never() -> bool:
+    return False
+
+
+def find_start(
+    compiled: Compiled, most_lps: int = 700, seed: int = 0, over: Callable[[], bool] = _never
+) -> Start | None:
+    """A start, or None where none was found within `most_lps` linear programs (or a few dives), or
+    before `over` said so.
 
     Only for missions that maximise the robustness of all requirements, where every integer column
     belongs to a formula.
@@ -68,6 +75,7 @@ def find_start(compiled: Compiled, most_lps: int = 700, seed: int = 0) -> Start 
         return None
     aim = column[2] - _SHORT * abs(column[2])
     search = _Search.of(compiled, column[0], aim, seed)
+    search.over = over
     x, lps = search.run(most_lps, guides(compiled, lambda level: partial(_level, level, aim)))
     if x is None:
         return None
@@ -121,6 +129,7 @@ class _Search:
     lps: int = 0
     spent: int = 0
     restarts: int = 0
+    over: Callable[[], bool] = _never
     trail: list[_Decision] = field(default_factory=list)
 
     @staticmethod
@@ -163,6 +172,8 @@ class _Search:
         glance = int(max(_GLANCE[0], _GLANCE[1] * limit))
         found, exhausted = self._dive(glance)
         for self.liked in guides if found is None and not exhausted else ():
+            if self.over():
+                break
             self._let_go()
             if self._fits(np.flatnonzero(self.liked == 1.0)):
                 return self._polished(self._point()), self.lps
@@ -170,7 +181,7 @@ class _Search:
             if found is not None or exhausted:
                 return found, self.lps
         self.liked = np.zeros(self.model.columns)
-        while found is None and not exhausted and self.lps < most:
+        while found is None and not exhausted and self.lps < most and not self.over():
             self._let_go()
             self._shake()
             self.restarts += 1
@@ -198,7 +209,7 @@ class _Search:
     def _dive(self, limit: int) -> tuple[Floats | None, bool]:
         """Decide and backtrack until a point, the limit, or the end of the tree."""
         end, fits = self.spent + limit, True
-        while self.spent < end:
+        while self.spent < end and not self.over():
             if not fits:
                 if not self._backtrack():
                     return None, True

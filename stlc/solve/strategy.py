@@ -46,7 +46,7 @@ def run_strategy(
     from stlc.milp.start import find_start
 
     began = time.perf_counter()
-    found = find_start(compiled)
+    found = find_start(compiled, over=lambda: _is_over(options, began))
     if found is not None and found.is_optimal(options.gap):
         seconds = time.perf_counter() - began
         return Solution(
@@ -61,6 +61,13 @@ def run_strategy(
 def _is_small(compiled: Compiled) -> bool:
     """A team's model so small that a plain solve mostly ends before any search has begun."""
     return len(compiled.states) > 1 and not compiled.robustness and compiled.model.columns <= _SMALL
+
+
+def _is_over(options: SolveOptions, began: float) -> bool:
+    """Asked to stop, or at the time limit."""
+    asked = options.should_stop is not None and options.should_stop()
+    limit = options.time_limit
+    return asked or (limit is not None and time.perf_counter() - began > limit)
 
 
 def _moment(options: SolveOptions) -> SolveOptions:

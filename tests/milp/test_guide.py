@@ -51,6 +51,7 @@ def test_start_reaches_the_bound_around_a_wall_and_through_a_door(steps: int) ->
     start = find_start(one)
     assert start is not None
     assert start.is_optimal(1e-4)
+    assert find_start(one, over=lambda: True) is None
     run = one.decode(start.x)
     worst = min(value(r.formula, run) for r in one.mission.requirements)
     assert worst == pytest.approx(-start.objective, abs=1e-6)
