@@ -160,8 +160,8 @@ def load_solvers(backend: str) -> None:
     """Load the backend, and the searches ahead of it with their HiGHS: that is no solver's time."""
     from stlc.milp.builder import ModelBuilder
 
-    for module in ("stlc.milp.start", "stlc.solve.links.strategy"):
-        import_module(module)
+    for module in ("milp.start", "solve.links.strategy", "solve.parts.strategy"):
+        import_module(f"stlc.{module}")
     builder = ModelBuilder("nothing")
     builder.binary("x", (1,))
     model = builder.build()
