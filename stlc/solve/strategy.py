@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
@@ -43,19 +44,31 @@ def run_strategy(
         return linked
     if options.start is not None or parts:
         return finish(options)
+    return _from_start(compiled, backend, options, finish)
+
+
+def _from_start(
+    compiled: Compiled,
+    backend: Backend,
+    options: SolveOptions,
+    finish: Callable[[SolveOptions], Solution],
+) -> Solution:
+    """Look for a start; `finish` what it leaves open."""
     from stlc.milp.start import find_start
+    from stlc.solve.parts.strategy import remaining
 
     began = time.perf_counter()
     found = find_start(compiled, over=lambda: _is_over(options, began))
+    seconds = time.perf_counter() - began
     if found is not None and found.is_optimal(options.gap):
-        seconds = time.perf_counter() - began
         return Solution(
             Status.OPTIMAL, found.x, found.objective, found.bound, 0, seconds, "start search",
             "start search over HiGHS LPs", message="the static bound is attained",
         )  # fmt: skip
+    options = remaining(options, seconds)
     if found is not None and Capability.START & backend.capabilities:
         options = replace(options, start=found.x)
-    return finish(remaining(options, time.perf_counter() - began))
+    return finish(options)
 
 
 def _is_small(compiled: Compiled) -> bool:
