@@ -33,6 +33,8 @@ def run_strategy(
         at_once = solve_twice_if_infeasible(compiled.model, backend, _moment(options))
         if at_once.status in (Status.OPTIMAL, Status.INFEASIBLE):
             return at_once
+        if options.start is None and Capability.START & backend.capabilities:
+            options = replace(options, start=at_once.x)
     parts = parts_of(compiled, backend, options)
     finish = partial(solve_twice_if_infeasible, compiled.model, backend)
     if parts:
