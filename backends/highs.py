@@ -53,7 +53,7 @@ class Highs:
         began = time.perf_counter()
         with SCHEDULER.claim(options.threads or 0) as granted:
             h, worker = _loaded(model), Worker(options)
-            _configure(h, options, granted)
+            _configure(h, model, options, granted)
             listen(h, worker, model)
             worker.run(lambda: _check(h.run(), "run"))
             return self._read(h, model, options, granted, time.perf_counter() - began)
@@ -102,7 +102,7 @@ def _loaded(model: Model) -> Any:
     return h
 
 
-def _configure(h: Any, options: SolveOptions, granted: bool) -> None:
+def _configure(h: Any, model: Model, options: SolveOptions, granted: bool) -> None:
     values: dict[str, object] = {"mip_rel_gap": options.gap}
     if options.time_limit is not None:
         values["time_limit"] = float(options.time_limit)
@@ -114,7 +114,8 @@ def _configure(h: Any, options: SolveOptions, granted: bool) -> None:
         _check(h.setOptionValue(key, value), f"option {key} = {value!r}")
     if options.start is not None:
         columns = np.arange(len(options.start), dtype=np.int32)
-        _check(h.setSolution(len(columns), columns, options.start), "setSolution")
+        within = np.clip(options.start, model.col_lower, model.col_upper)  # or it is refused
+        _check(h.setSolution(len(columns), columns, within), "setSolution")
 
 
 def _has_point(h: Any) -> bool:

@@ -23,10 +23,8 @@ from stlc.solve.start import hold
 
 _MANY = 4  # agents: two of fewer are nearly the whole
 _FAR = 0.02  # relative: from here on the solver finds the rest soon
-_SOON = 1.0  # s
 _SHARE = 0.3  # of the time limit
 _MOST = 60.0  # s
-_LONG = 1e9  # s: no limit
 
 
 class Joint:
@@ -37,6 +35,7 @@ class Joint:
     ) -> None:
         self.compiled, self.backend, self.options = compiled, backend, options
         self.began = time.perf_counter()
+        self.time = min(_MOST, _SHARE * (options.time_limit or np.inf))
         self.aim = least(compiled, parts)
         self.alone = {p.agent: p.run for p in parts if p.run is not None}
         self.x: Floats | None = options.start
@@ -64,8 +63,9 @@ class Joint:
             continue
 
     def _cheap(self) -> bool:
-        """Whether teams that grow by one agent after the other are soon compiled."""
-        return len(self.compiled.states) == 2 or self.compiled.stats.seconds < _SOON
+        """Whether there is time to compile teams that grow by one agent after the other."""
+        names = self.compiled.states
+        return len(names) == 2 or len(names) * self.compiled.stats.seconds < self.time
 
     def _offer(self, x: Floats | None) -> bool:
         """Take x if it is better by the gap."""
@@ -89,8 +89,8 @@ class Joint:
         """Whether the plan is optimal, its share of the time is over, or it was asked to stop."""
         if self.value - self.aim <= self.options.gap * abs(self.value) < np.inf:
             return True
-        stop, limit = self.options.should_stop, self.options.time_limit or _LONG
-        late = time.perf_counter() - self.began > min(_MOST, _SHARE * limit)
+        stop = self.options.should_stop
+        late = time.perf_counter() - self.began > self.time
         return late or (stop is not None and stop())
 
     def _answer(self, free: Sequence[str]) -> Floats | None:
