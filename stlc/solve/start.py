@@ -14,7 +14,7 @@ from stlc.milp.model import Model
 from stlc.plan import Plan
 
 _SECONDS = 60.0
-_SLACK = 1e-7  # a plan read from a file satisfies its rows up to the tolerance it was certified at
+_SLACK = 1e-6  # a plan satisfies its rows up to the tolerance it was certified at
 
 
 def complete_start(compiled: Compiled, plan: Plan) -> Floats | None:

@@ -17,12 +17,14 @@ from stlc.backends.base import Backend, SolveOptions
 from stlc.errors import InfeasibleError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.milp.model import Floats, Model
-from stlc.solve.parts.bounds import Part, Run, brief, least
+from stlc.solve.parts.bounds import Part, Run, bounded, brief, least
 from stlc.solve.parts.project import project
 from stlc.solve.start import hold
 
 _MANY = 4  # agents: two of fewer are nearly the whole
-_FAR = 0.02  # relative: from here on the solver finds the rest soon
+_FAR = 0.1  # relative: a plan so far off is worth another one
+_NEAR = 0.02  # and from here on the solver finds the rest soon
+_ROUGH = 0.05  # gap of a run that will be bettered later
 _SHARE = 0.3  # of the time limit
 _MOST = 60.0  # s
 
@@ -36,7 +38,7 @@ class Joint:
         self.compiled, self.backend, self.options = compiled, backend, options
         self.began = time.perf_counter()
         self.time = min(_MOST, _SHARE * (options.time_limit or np.inf))
-        self.aim = least(compiled, parts)
+        self.parts, self.aim = parts, least(compiled, parts)
         self.alone = {p.agent: p.run for p in parts if p.run is not None}
         self.x: Floats | None = options.start
         self.value = np.inf if self.x is None else compiled.model.objective(self.x)
@@ -45,8 +47,9 @@ class Joint:
         """The best plan that was found."""
         names = list(self.compiled.states)
         if len(self.alone) == len(names) and not self._offer(self._held(self.alone)):
-            for order in (names, names[::-1]) if self._cheap() else ():
-                self._offer(self._joined(order))
+            for order in (names, names[::-1]):
+                if self._is_off(_FAR) and self._cheap():
+                    self._offer(self._joined(order))
         if self.x is not None:
             self._descend(names)
         return self.x
@@ -54,8 +57,12 @@ class Joint:
     def _descend(self, names: Sequence[str]) -> None:
         """Let one agent, then two of many, answer the others anew, for as long as that helps."""
         self._turns(combinations(names, 1))
-        if len(names) >= _MANY and self.value - self.aim > _FAR * abs(self.value):
+        if len(names) >= _MANY and self._is_off(_NEAR):
             self._turns(combinations(names, 2))
+
+    def _is_off(self, share: float) -> bool:
+        """Whether the plan may cost that share more than needed."""
+        return self.x is None or self.value - self.aim > share * abs(self.value)
 
     def _turns(self, groups: Iterable[tuple[str, ...]]) -> None:
         groups = list(groups)
@@ -77,17 +84,17 @@ class Joint:
         self.x, self.value = x, value
         return True
 
-    def _held(self, runs: Mapping[str, Run]) -> Floats | None:
-        return self._solve(hold(self.compiled, runs))
+    def _held(self, runs: Mapping[str, Run], rough: float = 0.0) -> Floats | None:
+        return self._solve(hold(self.compiled, runs), rough)
 
-    def _solve(self, model: Model | None) -> Floats | None:
+    def _solve(self, model: Model | None, rough: float) -> Floats | None:
         if model is None or self._over():
             return None
-        return self.backend.solve(model, brief(self.options, self.options.gap)).x
+        return self.backend.solve(model, brief(self.options, max(rough, self.options.gap))).x
 
     def _over(self) -> bool:
         """Whether the plan is optimal, its share of the time is over, or it was asked to stop."""
-        if self.value - self.aim <= self.options.gap * abs(self.value) < np.inf:
+        if not self._is_off(self.options.gap):
             return True
         stop = self.options.should_stop
         late = time.perf_counter() - self.began > self.time
@@ -105,16 +112,17 @@ class Joint:
         runs = {order[0]: self.alone[order[0]]}
         for k, name in enumerate(order[1:-1], start=2):
             team = self._team(order[:k])
-            x = None if team is None else self._solve(hold(team, runs))
+            x = None if team is None else self._solve(hold(team, runs), _ROUGH)
             if team is None or x is None:
                 return None
             found = team.decode(x)
             runs[name] = found.states[name], found.inputs[name]
-        return self._held(runs)
+        return self._held(runs, _ROUGH)
 
     def _team(self, names: Iterable[str]) -> Compiled | None:
         mission = project(self.compiled.mission, tuple(names), self.compiled.channels)
         try:
-            return compile_mission(mission, CompileOptions(link=self.compiled.link))
+            team = compile_mission(mission, CompileOptions(link=self.compiled.link))
         except InfeasibleError:
             return None
+        return bounded(team, [part for part in self.parts if part.agent in team.states])
