@@ -14,7 +14,7 @@ from stlc.milp.model import Model
 from stlc.plan import Plan
 
 _SECONDS = 60.0
-_SLACK = 1e-6  # a plan satisfies its rows up to the tolerance it was certified at
+_SLACK = 1e-7  # a plan read from a file satisfies its rows up to the tolerance it was certified at
 
 
 def complete_start(compiled: Compiled, plan: Plan) -> Floats | None:
@@ -32,8 +32,10 @@ def complete_start(compiled: Compiled, plan: Plan) -> Floats | None:
     return get("highs").solve(fixed, SolveOptions(time_limit=_SECONDS, gap=0.0)).x
 
 
-def hold(compiled: Compiled, runs: Mapping[str, tuple[Floats, Floats]]) -> Model | None:
-    """The model with some agents held to states (T+1, n) and inputs (T, m).
+def hold(
+    compiled: Compiled, runs: Mapping[str, tuple[Floats, Floats]], slack: float = _SLACK
+) -> Model | None:
+    """The model with some agents held to states (T+1, n) and inputs (T, m), to within `slack`.
 
     None when they are of another shape, or beyond the bounds of the model.
     """
@@ -46,6 +48,6 @@ def hold(compiled: Compiled, runs: Mapping[str, tuple[Floats, Floats]]) -> Model
             kept = np.clip(values, lower[cols], upper[cols])
             if np.max(np.abs(kept - values), initial=0.0) > 1e-4:
                 return None
-            lower[cols] = np.maximum(lower[cols], kept - _SLACK)
-            upper[cols] = np.minimum(upper[cols], kept + _SLACK)
+            lower[cols] = np.maximum(lower[cols], kept - slack)
+            upper[cols] = np.minimum(upper[cols], kept + slack)
     return replace(model, col_lower=lower, col_upper=upper)

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stlc.backends.base import Backend, Capability, Solution, SolveOptions, Status
-from stlc.errors import InfeasibleError
+from stlc.errors import InfeasibleError, SolverError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.milp.model import Block, Floats, Ints, Model, Origin
 from stlc.mission import TermKind
@@ -67,7 +67,10 @@ def _alone(compiled: Compiled, name: str, backend: Backend, options: SolveOption
         alone = compile_mission(mission, CompileOptions(link=compiled.link))
     except InfeasibleError:
         return None  # the whole mission is infeasible too; its own proof names the reason
-    found = backend.solve(alone.model, brief(options, 0.1 * options.gap))
+    try:
+        found = backend.solve(alone.model, brief(options, 0.1 * options.gap))
+    except SolverError:
+        return None
     if found.bound is None or found.status not in (Status.OPTIMAL, Status.FEASIBLE):
         return None
     return Part(name, found.bound, _run(alone, found, name))

@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 
 from stlc.backends.base import Backend, SolveOptions
-from stlc.errors import InfeasibleError
+from stlc.errors import InfeasibleError, SolverError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.milp.model import Floats, Model
 from stlc.solve.parts.bounds import Part, Run, bounded, brief, least
@@ -25,6 +25,7 @@ _MANY = 4  # agents: two of fewer are nearly the whole
 _FAR = 0.1  # relative: a plan so far off is worth another one
 _NEAR = 0.02  # and from here on the solver finds the rest soon
 _ROUGH = 0.05  # gap of a run that will be bettered later
+_LOOSE = 1e-5  # of a run that is held: well above the tolerance of solvers, or they stumble
 _SHARE = 0.3  # of the time limit
 _MOST = 60.0  # s
 
@@ -85,12 +86,16 @@ class Joint:
         return True
 
     def _held(self, runs: Mapping[str, Run], rough: float = 0.0) -> Floats | None:
-        return self._solve(hold(self.compiled, runs), rough)
+        return self._solve(hold(self.compiled, runs, _LOOSE), rough)
 
     def _solve(self, model: Model | None, rough: float) -> Floats | None:
         if model is None or self._over():
             return None
-        return self.backend.solve(model, brief(self.options, max(rough, self.options.gap))).x
+        asked = brief(self.options, max(rough, self.options.gap))
+        try:
+            return self.backend.solve(model, asked).x
+        except SolverError:
+            return None  # this was one try of several; the whole model is still to be solved
 
     def _over(self) -> bool:
         """Whether the plan is optimal, its share of the time is over, or it was asked to stop."""
@@ -112,7 +117,7 @@ class Joint:
         runs = {order[0]: self.alone[order[0]]}
         for k, name in enumerate(order[1:-1], start=2):
             team = self._team(order[:k])
-            x = None if team is None else self._solve(hold(team, runs), _ROUGH)
+            x = None if team is None else self._solve(hold(team, runs, _LOOSE), _ROUGH)
             if team is None or x is None:
                 return None
             found = team.decode(x)
