@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -53,7 +54,21 @@ class Joint:
                     self._offer(self._joined(order))
         if self.x is not None:
             self._descend(names)
+            self._polish()
         return self.x
+
+    def _polish(self) -> None:
+        """Let all continuous columns go, so that nothing is left of the room that runs were held
+        in: whole numbers stay, everything else is the best for them. What does not stand that is
+        given up."""
+        model = self.compiled.model
+        assert self.x is not None
+        whole = model.integrality == 1
+        values = np.round(self.x[whole])
+        lower, upper = model.col_lower.copy(), model.col_upper.copy()
+        lower[whole], upper[whole] = values, values
+        found = self._solve(replace(model, col_lower=lower, col_upper=upper), 0.0, last=True)
+        self.x = self.options.start if found is None else found
 
     def _descend(self, names: Sequence[str]) -> None:
         """Let one agent, then two of many, answer the others anew, for as long as that helps."""
@@ -88,8 +103,8 @@ class Joint:
     def _held(self, runs: Mapping[str, Run], rough: float = 0.0) -> Floats | None:
         return self._solve(hold(self.compiled, runs, _LOOSE), rough)
 
-    def _solve(self, model: Model | None, rough: float) -> Floats | None:
-        if model is None or self._over():
+    def _solve(self, model: Model | None, rough: float, last: bool = False) -> Floats | None:
+        if model is None or (self._over() and not last):
             return None
         asked = brief(self.options, max(rough, self.options.gap))
         try:
