@@ -18,9 +18,9 @@ from stlc.plan import read_plan
 from stlc.verify import verify
 
 
-def _solve(folder: Path, *words: object) -> subprocess.Popen[str]:
+def _solve(folder: Path, *words: object, steps: int = 8) -> subprocess.Popen[str]:
     return start(
-        "solve", long_mission(folder), "--strategy", "milp", "-o", "p.json",
+        "solve", long_mission(folder, steps), "--strategy", "milp", "-o", "p.json",
         "--progress", "ndjson", *words, folder=folder,
     )  # fmt: skip
 
@@ -44,7 +44,7 @@ def test_an_interrupt_reports_the_plan_and_its_gap(number: signal.Signals, tmp_p
 
 @pytest.mark.parametrize("backend", ["mip", "pulp", "cvxpy", "scipy"])
 def test_deaf_solvers_are_left_behind(backend: str, tmp_path: Path) -> None:
-    process = _solve(tmp_path, "--backend", backend)
+    process = _solve(tmp_path, "--backend", backend, steps=12)
     note = wait_for(process, "diagnostic")
     assert "hands over no plan before it ends" in str(note["message"])
     time.sleep(0.3)
