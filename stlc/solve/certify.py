@@ -166,20 +166,25 @@ def _rounded(model: Model, x: Floats) -> Floats:
 
 def _polished(model: Model, solution: Solution, x: Floats) -> Floats:
     """The best continuous part for the integers of x, by HiGHS."""
-    fixed = model.integrality == 1
-    linear = replace(
-        model,
-        integrality=np.zeros_like(model.integrality),
-        col_lower=np.where(fixed, x, model.col_lower),
-        col_upper=np.where(fixed, x, model.col_upper),
-    )
-    again = get("highs").solve(linear, SolveOptions())
+    again = get("highs").solve(continuous_part(model, x), SolveOptions())
     if again.x is None:
         found = violations(model, x)
         raise refusal(
             solution, f"with its integers rounded no point is feasible; {found.describe()}"
         )
-    return _rounded(model, np.where(fixed, x, again.x))
+    return _rounded(model, np.where(model.integrality == 1, x, again.x))
+
+
+def continuous_part(model: Model, x: Floats) -> Model:
+    """The linear programme that is left when the integers are those of x (n,), rounded."""
+    fixed = model.integrality == 1
+    values = np.round(x)
+    return replace(
+        model,
+        integrality=np.zeros_like(model.integrality),
+        col_lower=np.where(fixed, values, model.col_lower),
+        col_upper=np.where(fixed, values, model.col_upper),
+    )
 
 
 def _standing(

@@ -26,7 +26,7 @@ def run_strategy(
         return solve_twice_if_infeasible(compiled.model, backend, options)
     from stlc.solve.links.strategy import solve_links
     from stlc.solve.parts.bounds import bounded, parts_of
-    from stlc.solve.parts.strategy import remaining, solve_team
+    from stlc.solve.parts.strategy import solve_team
 
     began = time.perf_counter()
     if _is_small(compiled) and Capability.TIME_LIMIT & backend.capabilities:
@@ -57,7 +57,6 @@ def _from_start(
 ) -> Solution:
     """Look for a start; `finish` what it leaves open."""
     from stlc.milp.start import find_start
-    from stlc.solve.parts.strategy import remaining
 
     began = time.perf_counter()
     found = find_start(compiled, over=lambda: _is_over(options, began))
@@ -76,6 +75,13 @@ def _from_start(
 def _is_small(compiled: Compiled) -> bool:
     """A team's model so small that a plain solve mostly ends before any search has begun."""
     return len(compiled.states) > 1 and not compiled.robustness and compiled.model.columns <= _SMALL
+
+
+def remaining(options: SolveOptions, seconds: float) -> SolveOptions:
+    """Options with the time limit that is left after some seconds."""
+    if options.time_limit is None:
+        return options
+    return replace(options, time_limit=max(options.time_limit - seconds, 0.01))
 
 
 def _is_over(options: SolveOptions, began: float) -> bool:

@@ -50,10 +50,8 @@ def parts_of(compiled: Compiled, backend: Backend, options: SolveOptions) -> tup
     if backend.capabilities & _NEEDED != _NEEDED or (options.time_limit or np.inf) < _LEAST:
         return ()
     mission = compiled.mission
-    terms = [term for term in mission.objective if term.weight != 0]
-    if len(mission.agents) < 2 or not any(term.kind is TermKind.EFFORT for term in terms):
-        return ()
-    if any(term.kind is not TermKind.EFFORT for term in terms):
+    kinds = {term.kind for term in mission.objective if term.weight != 0}
+    if len(mission.agents) < 2 or kinds != {TermKind.EFFORT}:
         return ()
     found = (_alone(compiled, name, backend, options) for name in mission.agents)
     return tuple(part for part in found if part is not None)
@@ -65,12 +63,9 @@ def _alone(compiled: Compiled, name: str, backend: Backend, options: SolveOption
         return None
     try:
         alone = compile_mission(mission, CompileOptions(link=compiled.link))
-    except InfeasibleError:
-        return None  # the whole mission is infeasible too; its own proof names the reason
-    try:
         found = backend.solve(alone.model, brief(options, 0.1 * options.gap))
-    except SolverError:
-        return None
+    except (InfeasibleError, SolverError):
+        return None  # it shows again, and is told, when the whole mission is solved
     if found.bound is None or found.status not in (Status.OPTIMAL, Status.FEASIBLE):
         return None
     return Part(name, found.bound, _run(alone, found, name))

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -18,6 +17,7 @@ from stlc.backends.base import Backend, SolveOptions
 from stlc.errors import InfeasibleError, SolverError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.milp.model import Floats, Model
+from stlc.solve.certify import continuous_part
 from stlc.solve.parts.bounds import Part, Run, bounded, brief, least
 from stlc.solve.parts.project import project
 from stlc.solve.start import hold
@@ -61,13 +61,8 @@ class Joint:
         """Let all continuous columns go, so that nothing is left of the room that runs were held
         in: whole numbers stay, everything else is the best for them. What does not stand that is
         given up."""
-        model = self.compiled.model
         assert self.x is not None
-        whole = model.integrality == 1
-        values = np.round(self.x[whole])
-        lower, upper = model.col_lower.copy(), model.col_upper.copy()
-        lower[whole], upper[whole] = values, values
-        found = self._solve(replace(model, col_lower=lower, col_upper=upper), 0.0, last=True)
+        found = self._solve(continuous_part(self.compiled.model, self.x), 0.0, last=True)
         self.x = self.options.start if found is None else found
 
     def _descend(self, names: Sequence[str]) -> None:

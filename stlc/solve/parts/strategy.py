@@ -11,7 +11,7 @@ from stlc.milp.compile import Compiled
 from stlc.milp.model import Floats
 from stlc.solve.parts.bounds import Part, least
 from stlc.solve.parts.joint import Joint
-from stlc.solve.strategy import solve_twice_if_infeasible
+from stlc.solve.strategy import remaining, solve_twice_if_infeasible
 
 
 def solve_team(
@@ -38,13 +38,6 @@ def solve_team(
     asked = replace(remaining(options, seconds), start=start)
     found = solve_twice_if_infeasible(compiled.model, backend, asked)
     return found if found.x is not None else _kept(found, x, value, bound)
-
-
-def remaining(options: SolveOptions, seconds: float) -> SolveOptions:
-    """Options with the time limit that is left after some seconds."""
-    if options.time_limit is None:
-        return options
-    return replace(options, time_limit=max(options.time_limit - seconds, 0.01))
 
 
 def _kept(found: Solution, x: Floats, value: float, bound: float) -> Solution:
