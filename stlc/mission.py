@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.ir.nodes import Node
+from stlc.ir.requirement import Requirement
 from stlc.source import Source, Span
 
 if TYPE_CHECKING:
@@ -189,16 +189,6 @@ class Channel:
     def has_table(self, pair: tuple[str, str]) -> bool:
         """Whether the mission gives this pair's cost as a table."""
         return any(key in self.tables for key in (pair, pair[::-1], None))
-
-
-@dataclass(frozen=True, slots=True)
-class Requirement:
-    """One `require`: satisfied when the robustness of `formula` at step 0 is >= `margin`."""
-
-    name: str
-    formula: Node
-    margin: float = 0.0
-    span: Span | None = None
 
 
 class TermKind(Enum):

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from stlc.errors import UsageError
 from stlc.ir.nodes import Linear, Link, Node, Role, Signal, walk
-from stlc.mission import Mission, Requirement
+from stlc.ir.requirement import Requirement
+from stlc.mission import Mission
 from stlc.recording import Recording, read_recording
 from stlc.source import Span
 from stlc.verify.robustness import TOLERANCE, Evaluator, Trace

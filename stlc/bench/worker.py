@@ -13,7 +13,7 @@ from typing import Any
 
 from stlc.bench.job import Done, Job, Update
 from stlc.solve.child import end_with_input, limit_memory, private_output
-from stlc.solve.wire import read_message, write_message
+from stlc.solve.messages import read_message, write_message
 
 Tell = Callable[[object], None]
 

@@ -12,8 +12,8 @@ from stlc.diagnostics import Diagnostic, Note
 from stlc.errors import InfeasibleError, NoPlanError
 
 if TYPE_CHECKING:
+    from stlc.explain.conflict import Conflict
     from stlc.mission import Mission
-    from stlc.solve.explain import Conflict
 
 _GRACE = 0.4  # s that a solver may overrun its limit, or Ctrl-C, before it is left behind
 
@@ -58,7 +58,7 @@ def explain_command(
 
 def explain_mission(mission: Mission, backend: str, time_limit: float) -> int:
     """Print the conflict; the exit status of `stlc explain`."""
-    from stlc.solve.explain import Verdict, explain
+    from stlc.explain.conflict import Verdict, explain
 
     result = explain(mission, backend=backend, time_limit=time_limit, grace=_GRACE)
     if not isinstance(result, Verdict):
@@ -75,7 +75,7 @@ def show_conflict(mission: Mission, backend: str, seconds: float, told: str) -> 
 
     `told` is what the person has read of the proof already.
     """
-    from stlc.solve.explain import Verdict, explain
+    from stlc.explain.conflict import Verdict, explain
 
     limit = seconds / 4
     result = explain(

@@ -27,7 +27,7 @@ from stlc.ir.nodes import (
     Timed,
     Until,
 )
-from stlc.mission import Requirement
+from stlc.ir.requirement import Requirement
 
 _TOKEN = re.compile(
     r'\s*(?:(?P<number>[-+]?(?:\d+\.?\d*(?:[eE][-+]?\d+)?|inf\b))|(?P<quoted>"[^"]*")'

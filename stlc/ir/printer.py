@@ -31,8 +31,8 @@ from stlc.ir.nodes import (
     Timed,
     Until,
 )
+from stlc.ir.requirement import Requirement
 from stlc.ir.rewrite import postorder
-from stlc.mission import Requirement
 
 _PLAIN = re.compile(r"[A-Za-z_]\w*\Z")
 _LONGEST = 2000  # characters; longer texts are named too, so that no line grows without end

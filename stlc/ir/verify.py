@@ -23,8 +23,8 @@ from stlc.ir.nodes import (
     Timed,
     Until,
 )
+from stlc.ir.requirement import Requirement
 from stlc.ir.rewrite import postorder
-from stlc.mission import Requirement
 
 
 class Stage(IntEnum):

@@ -13,9 +13,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from stlc.arrays import Floats
 from stlc.diagnostics import Diagnostic, Warn
-from stlc.milp.model import Floats, Model
-from stlc.mission import Requirement
+from stlc.ir.requirement import Requirement
+from stlc.milp.model import Model
 
 LARGEST = 1e6
 _TOLERANCE = 1e-6  # on integrality, of most solvers

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stlc.milp.model import Block, Floats, Ints, Model, Origin
+from stlc.arrays import Floats, Ints
+from stlc.milp.model import Block, Model, Origin
 from stlc.milp.rows import Rows
 
 

@@ -8,22 +8,26 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stlc.analysis.goals import Goal, level_of
+from stlc.analysis.link_tables import LinkTables
+from stlc.analysis.ranges import Ranges
+from stlc.analysis.reach import reach
+from stlc.analysis.stages import find_stages
+from stlc.arrays import Floats, Ints
 from stlc.channels import ChannelTables
 from stlc.diagnostics import Diagnostic
 from stlc.errors import UsageError
 from stlc.ir.nodes import Node
 from stlc.milp.big_m import leaky_big_ms
 from stlc.milp.builder import ModelBuilder
-from stlc.milp.context import Context, Ranges
+from stlc.milp.context import Context
 from stlc.milp.costs import add_objective
 from stlc.milp.dynamics import add_agents
-from stlc.milp.formula import Encoded, FormulaEncoder
-from stlc.milp.goals import Goal, level_of
-from stlc.milp.links import LinkEncoder, LinkTables
-from stlc.milp.model import Floats, Ints, Model, Origin
-from stlc.milp.reach import reach
-from stlc.milp.selectors import selector_named
-from stlc.milp.stages import add_cuts, add_hulls, find_stages
+from stlc.milp.formulas.encoder import Encoded, FormulaEncoder
+from stlc.milp.formulas.links import LinkEncoder
+from stlc.milp.formulas.selectors import selector_named
+from stlc.milp.model import Model, Origin
+from stlc.milp.stage_rows import add_cuts, add_hulls
 from stlc.milp.tables import PairColumns, made_pairs
 from stlc.mission import Mission
 from stlc.passes import PassStats, Program, run_pipeline

@@ -8,24 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from stlc.analysis.ranges import Ranges
+from stlc.arrays import Floats, Ints
 from stlc.milp.builder import ModelBuilder
-from stlc.milp.model import Floats, Ints
 from stlc.mission import Agent, Mission
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Ranges:
-    """Interval of every state (T+1, n) and input (T, m) of one agent at every step.
-
-    Sound: every run that satisfies the mission stays within. `position_*` are (T+1, 2) [m].
-    """
-
-    state_lower: Floats
-    state_upper: Floats
-    input_lower: Floats
-    input_upper: Floats
-    position_lower: Floats
-    position_upper: Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,10 +15,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stlc.analysis.link_tables import LinkTables
+from stlc.arrays import Floats, Ints
 from stlc.errors import UsageError
 from stlc.milp.context import Context
-from stlc.milp.links import LinkTables
-from stlc.milp.model import Floats, Ints, Origin
+from stlc.milp.model import Origin
 from stlc.mission import Agent, ObjectiveTerm, TermKind
 from stlc.scales import static_range
 

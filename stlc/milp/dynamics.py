@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from stlc.arrays import Floats, Ints
 from stlc.milp.context import Context
-from stlc.milp.model import Floats, Ints, Origin
+from stlc.milp.model import Origin
 from stlc.milp.polygons import polygon_normals
 from stlc.milp.turnrate import add_turn_rate
 from stlc.mission import Agent, NormBound, PolygonKind

@@ -8,7 +8,7 @@ from importlib.metadata import entry_points
 
 from stlc.errors import UsageError
 from stlc.milp.compile import CompileOptions
-from stlc.milp.selectors import ENTRY_POINTS, SELECTORS, selector_named
+from stlc.milp.formulas.selectors import ENTRY_POINTS, SELECTORS, selector_named
 from stlc.milp.tables.registry import ENCODINGS, encoding_named
 
 _STL = {

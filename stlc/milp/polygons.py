@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stlc.milp.model import Floats
+from stlc.arrays import Floats
 
 
 def polygon_normals(sides: int) -> Floats:

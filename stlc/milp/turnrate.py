@@ -14,8 +14,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from stlc.milp.context import Context, Ranges
-from stlc.milp.model import Floats, Ints
+from stlc.analysis.ranges import Ranges
+from stlc.arrays import Floats, Ints
+from stlc.milp.context import Context
 from stlc.milp.polygons import polygon_normals
 from stlc.mission import Agent, TurnRate
 

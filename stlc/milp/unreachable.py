@@ -10,11 +10,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from stlc.analysis.bounds import static_bounds
+from stlc.analysis.reach import reach
 from stlc.errors import InfeasibleError
 from stlc.ir.nodes import Always, And, Eventually, Link, Node, Quantity, Until
-from stlc.milp.bounds import static_bounds
-from stlc.milp.reach import reach
-from stlc.mission import Bound, Mission, Requirement
+from stlc.ir.requirement import Requirement
+from stlc.mission import Bound, Mission
 from stlc.source import Span
 
 _TOLERANCE = 1e-6
@@ -111,7 +112,7 @@ class _Analysis:
 
     def _possible(self, parts: Sequence[tuple[Node, int]], mission: Mission) -> list[bool]:
         """Whether the static upper bound of each part at its step reaches the margin."""
-        from stlc.milp.links import LinkTables
+        from stlc.analysis.link_tables import LinkTables
         from stlc.passes import cse, horizon, nnf, unroll
         from stlc.passes.base import Program
 

@@ -6,12 +6,13 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from stlc.analysis.goals import Goal, goals_of
+from stlc.analysis.link_tables import LinkTables
+from stlc.analysis.ranges import Ranges
 from stlc.ir.nodes import Link, Node, Not
+from stlc.ir.requirement import Requirement
 from stlc.ir.verify import Stage
-from stlc.milp.context import Ranges
-from stlc.milp.goals import Goal, goals_of
-from stlc.milp.links import LinkTables
-from stlc.mission import Mission, Requirement
+from stlc.mission import Mission
 
 
 @dataclass(frozen=True, slots=True, eq=False)

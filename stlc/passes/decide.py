@@ -19,14 +19,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+from stlc.analysis.bounds import Interval, static_bounds, unit_of
+from stlc.analysis.goals import Level, level_of
+from stlc.analysis.reach import reach
 from stlc.ir.nodes import And, Const, Linear, Link, Node, Not, Or
+from stlc.ir.requirement import Requirement
 from stlc.ir.rewrite import postorder, with_children
 from stlc.ir.verify import Stage
-from stlc.milp.bounds import Interval, static_bounds, unit_of
-from stlc.milp.goals import Level, level_of
-from stlc.milp.reach import reach
 from stlc.milp.unreachable import unreachable
-from stlc.mission import Requirement
 from stlc.passes.base import Pass, Program
 from stlc.passes.fold import fold
 

@@ -22,7 +22,7 @@ from collections.abc import Sequence
 
 from stlc.ir.nodes import And, Linear, Node, Or
 from stlc.ir.verify import Stage
-from stlc.milp.choice import Terms
+from stlc.milp.formulas.choice import Terms
 from stlc.passes.base import Pass, Program
 from stlc.source import Span
 

@@ -17,13 +17,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from stlc.analysis.conflicts import demands_of
+from stlc.analysis.goals import Goal
+from stlc.analysis.ranges import Ranges
+from stlc.analysis.reach import position_ranges, tidy
+from stlc.analysis.stages import LevelOf, Stages, find_stages, level_at, single_place
 from stlc.ir.nodes import And, Const, Node, Or
 from stlc.ir.verify import Stage
-from stlc.milp.conflicts import demands_of
-from stlc.milp.context import Ranges
-from stlc.milp.goals import Goal
-from stlc.milp.reach import position_ranges, tidy
-from stlc.milp.stages import LevelOf, Stages, find_stages, level_at, single_place
 from stlc.milp.unreachable import unreachable
 from stlc.passes.base import Pass, Program
 from stlc.passes.fold import fold

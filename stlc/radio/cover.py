@@ -10,11 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stlc.arrays import Bools
 from stlc.radio.errors import RadioError
-
-Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,8 +7,9 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import TypeVar
 
 from stlc.errors import MissionError
+from stlc.ir.requirement import Requirement
 from stlc.loader import Loader, MemoryLoader
-from stlc.mission import Mission, ObjectiveTerm, Requirement
+from stlc.mission import Mission, ObjectiveTerm
 from stlc.sema import agents, channels, checks, clock, horizon, imports, objective
 from stlc.sema.costs import is_cost
 from stlc.sema.expressions import evaluate

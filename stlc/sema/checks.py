@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from stlc.mission import Agent, Mission, Obstacle, Polytope, Requirement
+from stlc.ir.requirement import Requirement
+from stlc.mission import Agent, Mission, Obstacle, Polytope
 from stlc.sema import geometry
 from stlc.sema.objective_errors import NeverTrue
 from stlc.sema.scope import Scope

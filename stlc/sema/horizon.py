@@ -15,7 +15,7 @@ from stlc.ir.nodes import (
     Role,
     Until,
 )
-from stlc.mission import Requirement
+from stlc.ir.requirement import Requirement
 from stlc.sema.report import Report
 from stlc.sema.time_errors import NoHorizon, PastHorizon
 

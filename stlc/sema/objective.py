@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from stlc.mission import ObjectiveTerm, Requirement, TermKind
+from stlc.ir.requirement import Requirement
+from stlc.mission import ObjectiveTerm, TermKind
 from stlc.sema.costs import cost_term, is_cost
 from stlc.sema.name_errors import NotHere
 from stlc.sema.objective_errors import BadObjective, MixedRobustness, NegativeWeight, NoTime

@@ -23,7 +23,7 @@ from stlc.solve.events import (
     StatusEvent,
     tell_warnings,
 )
-from stlc.solve.keeper import Keeper
+from stlc.solve.incumbent import Keeper
 from stlc.solve.race import Finish, Lap, Race, Racer, race
 
 if TYPE_CHECKING:

@@ -32,7 +32,7 @@ from stlc.solve.events import (
     ignore,
     tell_warnings,
 )
-from stlc.solve.keeper import Keeper
+from stlc.solve.incumbent import Keeper
 from stlc.solve.supervise import Supervisor
 
 if TYPE_CHECKING:
@@ -240,7 +240,7 @@ class _Job:
 
     def _options(self) -> SolveOptions:
         """The settings in the backends' words; a start plan is completed to a point."""
-        from stlc.solve.start import complete_start
+        from stlc.solve.mip_start import complete_start
 
         s = self.settings
         start = None if s.start is None else complete_start(self.compiled, s.start)

@@ -16,7 +16,7 @@ from stlc.errors import SolverError, UsageError
 from stlc.milp.model import Model
 from stlc.solve.certify import Certified, certify
 from stlc.solve.child import Child
-from stlc.solve.wire import Failure, Task
+from stlc.solve.messages import Failure, Task
 
 _POLL = 0.05  # s
 _GRACE = 10.0  # s that a solver may overrun its own time limit

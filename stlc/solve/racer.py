@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import IO
 
 from stlc.solve.child import end_with_input, limit_memory, private_output
-from stlc.solve.wire import Failure, Task, read_message, write_message
+from stlc.solve.messages import Failure, Task, read_message, write_message
 
 
 def main() -> None:

@@ -56,7 +56,7 @@ def _from_start(
     finish: Callable[[SolveOptions], Solution],
 ) -> Solution:
     """Look for a start; `finish` what it leaves open."""
-    from stlc.milp.start import find_start
+    from stlc.solve.heuristics.dive import find_start
 
     began = time.perf_counter()
     found = find_start(compiled, over=lambda: _is_over(options, began))

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.milp.model import Floats, Ints, Model
+from stlc.arrays import Floats, Ints
+from stlc.milp.model import Model
 
 
 @dataclass(frozen=True, slots=True)

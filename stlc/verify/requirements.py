@@ -22,7 +22,8 @@ from stlc.ir.nodes import (
     Timed,
     walk,
 )
-from stlc.mission import Bound, Mission, Polytope, Requirement
+from stlc.ir.requirement import Requirement
+from stlc.mission import Bound, Mission, Polytope
 from stlc.verify.continuous import Path, inside, outside, separation
 from stlc.verify.report import RequirementReport, Violation
 from stlc.verify.robustness import Evaluator, Trace, unit

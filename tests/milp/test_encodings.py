@@ -10,12 +10,14 @@ from stlc.backends import get
 from stlc.backends.base import SolveOptions
 from stlc.errors import UsageError
 from stlc.ir.nodes import And, Eventually, Linear, Node, Or, Role, Signal
-from stlc.milp import encodings, selectors
-from stlc.milp.auto import choose
+from stlc.ir.requirement import Requirement
+from stlc.milp import encodings
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
+from stlc.milp.formulas import selectors
+from stlc.milp.formulas.auto import choose
 from stlc.milp.model import Model
 from stlc.milp.statistics import lp_bound
-from stlc.mission import Mission, ObjectiveTerm, Requirement, TermKind
+from stlc.mission import Mission, ObjectiveTerm, TermKind
 from tests.milp.worlds import agent, mission
 
 EFFORT = (ObjectiveTerm(TermKind.EFFORT, 1.0),)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from stlc.milp.compile import Compiled, compile_mission
-from stlc.milp.guide import guides
-from stlc.milp.start import find_start
 from stlc.mission import Mission
+from stlc.solve.heuristics.dive import find_start
+from stlc.solve.heuristics.guides import guides
 from tests.milp.worlds import value
 
 HEAD = """step 1 s

@@ -13,12 +13,13 @@ from hypothesis import strategies as st
 from stlc.backends import get
 from stlc.backends.base import SolveOptions, Status
 from stlc.errors import InfeasibleError, UsageError
+from stlc.ir.requirement import Requirement
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
-from stlc.milp.selectors import SELECTORS
-from stlc.milp.start import find_start
-from stlc.mission import Mission, ObjectiveTerm, Requirement, TermKind
+from stlc.milp.formulas.selectors import SELECTORS
+from stlc.mission import Mission, ObjectiveTerm, TermKind
 from stlc.passes import PIPELINE
 from stlc.passes.horizon import last_steps
+from stlc.solve.heuristics.dive import find_start
 from stlc.trajectories import Trajectories
 from tests.milp.worlds import SYSTEMS, agent, atoms, formulas, mission, most_robust, runs, value
 

@@ -6,7 +6,7 @@ import warnings
 
 import numpy as np
 
-from stlc.milp.reach import reach
+from stlc.analysis.reach import reach
 from stlc.mission import Mission
 
 FREE = """step 1 s

@@ -10,8 +10,9 @@ import pytest
 from stlc.backends import get
 from stlc.backends.base import SolveOptions, Status
 from stlc.ir.nodes import Linear, Role, Signal
+from stlc.ir.requirement import Requirement
 from stlc.milp.compile import compile_mission
-from stlc.mission import Agent, Dynamics, Mission, Requirement, TurnRate
+from stlc.mission import Agent, Dynamics, Mission, TurnRate
 from stlc.trajectories import Trajectories
 from tests.milp.worlds import mission, most_robust
 

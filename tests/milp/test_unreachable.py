@@ -6,9 +6,10 @@ import pytest
 
 from stlc.errors import InfeasibleError
 from stlc.ir.nodes import Always, And, Eventually, Linear, Node, Role, Signal
+from stlc.ir.requirement import Requirement
 from stlc.milp.compile import compile_mission
 from stlc.milp.unreachable import Unreachable
-from stlc.mission import Mission, Requirement
+from stlc.mission import Mission
 from stlc.source import Source
 from tests.milp.worlds import agent, mission
 

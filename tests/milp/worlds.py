@@ -25,7 +25,8 @@ from stlc.ir.nodes import (
     Timed,
     Until,
 )
-from stlc.mission import Agent, Dynamics, Mission, ObjectiveTerm, Requirement, TermKind
+from stlc.ir.requirement import Requirement
+from stlc.mission import Agent, Dynamics, Mission, ObjectiveTerm, TermKind
 from stlc.source import Source
 from stlc.trajectories import Trajectories
 from stlc.verify.robustness import Trace, robustness

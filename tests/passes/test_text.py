@@ -6,12 +6,13 @@ from dataclasses import replace
 
 import pytest
 
+from stlc.analysis.reach import reach
 from stlc.errors import UsageError
 from stlc.ir.parser import parse_node, parse_program
 from stlc.ir.printer import print_node, print_program
+from stlc.ir.requirement import Requirement
 from stlc.ir.verify import BrokenProgram, Stage, verify
-from stlc.milp.reach import reach
-from stlc.mission import Mission, Requirement
+from stlc.mission import Mission
 from stlc.passes import PIPELINE, Program, run_pipeline
 from tests.milp.worlds import agent, mission, most_robust, runs, value
 

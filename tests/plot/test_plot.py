@@ -10,7 +10,8 @@ from support.missions import agent, avoid, box, mission, obstacle, reach, roll
 
 from stlc.errors import OutputError, UsageError
 from stlc.ir.nodes import Always, Eventually, Link, Quantity, Relation
-from stlc.mission import Bound, Channel, Region, Requirement, Station
+from stlc.ir.requirement import Requirement
+from stlc.mission import Bound, Channel, Region, Station
 from stlc.plan import make_plan
 from stlc.plot import plan_figure, plot_plan
 from stlc.radio.gp import ChannelModel

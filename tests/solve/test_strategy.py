@@ -8,9 +8,9 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from stlc.analysis.reach import tidy
 from stlc.backends.base import Backend, Solution, SolveOptions, Status
 from stlc.milp.builder import ModelBuilder
-from stlc.milp.reach import tidy
 from stlc.solve.strategy import solve_twice_if_infeasible
 
 

@@ -12,13 +12,14 @@ import pytest
 from support.link_missions import Variant, write_mission
 
 from stlc import backends
+from stlc.arrays import Bools, Floats
 from stlc.backends.base import Progress, SolveOptions, Status
 from stlc.errors import InfeasibleError
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.solve.links import teamtree
 from stlc.solve.links.agreement import Agreement, no_prices
 from stlc.solve.links.layers import Layer, Maker, rate_borders
-from stlc.solve.links.problem import Bools, Floats, Problem
+from stlc.solve.links.problem import Problem
 from stlc.solve.links.reach import tubes
 from stlc.solve.links.recognise import recognise
 from stlc.solve.links.restrict import Frame

@@ -9,17 +9,8 @@ from typing import Any
 import numpy as np
 
 from stlc.ir.nodes import Always, And, Eventually, Linear, Node, Or, Role, Signal
-from stlc.mission import (
-    Agent,
-    Channel,
-    Dynamics,
-    Mission,
-    Obstacle,
-    Polytope,
-    Region,
-    Requirement,
-    Station,
-)
+from stlc.ir.requirement import Requirement
+from stlc.mission import Agent, Channel, Dynamics, Mission, Obstacle, Polytope, Region, Station
 from stlc.source import Source
 
 INF = math.inf

@@ -9,10 +9,11 @@ from itertools import product
 import numpy as np
 from scipy.optimize import linprog
 
+from stlc.analysis.ranges import Ranges
 from stlc.backends.base import SolveOptions, Status
 from stlc.backends.highs import Highs
 from stlc.milp.builder import ModelBuilder
-from stlc.milp.context import Context, Ranges
+from stlc.milp.context import Context
 from stlc.milp.dynamics import add_agents
 from stlc.milp.model import Model
 from stlc.mission import Agent, Channel, Dynamics, Mission, Station

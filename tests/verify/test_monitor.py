@@ -20,7 +20,7 @@ from stlc.ir.nodes import (
     Role,
     Signal,
 )
-from stlc.mission import Requirement
+from stlc.ir.requirement import Requirement
 from stlc.monitor import monitor
 from stlc.recording import read_recording
 from stlc.source import Source

@@ -34,7 +34,8 @@ from stlc.ir.nodes import (
     Swept,
     Until,
 )
-from stlc.mission import Bound, Channel, ObjectiveTerm, Requirement, Station, TermKind
+from stlc.ir.requirement import Requirement
+from stlc.mission import Bound, Channel, ObjectiveTerm, Station, TermKind
 from stlc.plan import SolveInfo, make_plan
 from stlc.radio.gp import ChannelModel
 from stlc.radio.links import LinkBudget, Modulation

@@ -15,8 +15,8 @@ from typing import TypeAlias
 
 import numpy as np
 
+from stlc.arrays import Floats
 from stlc.errors import NoPlanError, UsageError
-from stlc.milp.model import Floats
 from stlc.milp.writers.form import CONSTANT
 
 

@@ -23,8 +23,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from stlc.arrays import Ints
 from stlc.milp.builder import ModelBuilder
-from stlc.milp.model import Ints
 
 
 def join_boxes(

@@ -24,9 +24,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stlc.arrays import Floats, Ints
 from stlc.milp.builder import ModelBuilder
 from stlc.milp.context import Context
-from stlc.milp.model import Floats, Ints
 from stlc.milp.tables.boxes import join_boxes
 from stlc.milp.tables.simplex import (
     Kind,

@@ -11,11 +11,8 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stlc.milp.model import Ints
-
-Bools = NDArray[np.bool_]
+from stlc.arrays import Bools, Ints
 
 SEEDS = 48
 """Boxes grown at once in a round."""

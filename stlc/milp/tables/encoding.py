@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from stlc.arrays import Floats
 from stlc.milp.context import Affine, Context
-from stlc.milp.model import Floats
 from stlc.milp.tables.link import Link
 
 

@@ -14,8 +14,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from stlc.arrays import Floats
 from stlc.milp.context import Affine, Context
-from stlc.milp.model import Floats
 from stlc.milp.tables.encoding import Size
 from stlc.milp.tables.link import Link
 from stlc.milp.tables.pairs import pair_value

@@ -23,8 +23,8 @@ from hashlib import blake2b
 
 import numpy as np
 
+from stlc.arrays import Floats, Ints
 from stlc.milp.context import Affine, Context
-from stlc.milp.model import Floats, Ints
 from stlc.milp.tables.cells import cell_columns
 from stlc.milp.tables.encoding import Size
 from stlc.milp.tables.link import Link

@@ -9,8 +9,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stlc.arrays import Floats
 from stlc.milp.context import Context
-from stlc.milp.model import Floats
 from stlc.milp.tables.cells import Place
 from stlc.milp.tables.errors import TableError
 from stlc.milp.tables.spans import Cells, Spans, spans_of

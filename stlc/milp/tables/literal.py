@@ -24,8 +24,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stlc.arrays import Floats, Ints
 from stlc.milp.context import Affine, Context
-from stlc.milp.model import Floats, Ints
 from stlc.milp.tables.cells import Place
 from stlc.milp.tables.encoding import Size
 from stlc.milp.tables.errors import TableError

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stlc.arrays import Floats, Ints
 from stlc.milp.context import Affine, Context
-from stlc.milp.model import Floats, Ints
 from stlc.milp.tables.cells import cell_columns, marginals
 from stlc.milp.tables.link import Link
 from stlc.milp.tables.simplex import Kind, join

@@ -18,8 +18,8 @@ from enum import Enum
 
 import numpy as np
 
+from stlc.arrays import Floats, Ints
 from stlc.milp.builder import ModelBuilder
-from stlc.milp.model import Floats, Ints
 
 
 class Kind(Enum):

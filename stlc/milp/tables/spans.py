@@ -12,8 +12,8 @@ from typing import Protocol
 
 import numpy as np
 
+from stlc.arrays import Floats, Ints
 from stlc.milp.context import Context
-from stlc.milp.model import Floats, Ints
 from stlc.milp.tables.errors import TableError
 
 TOUCH = 1e-6

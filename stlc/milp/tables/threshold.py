@@ -24,11 +24,11 @@ from math import prod
 
 import numpy as np
 
+from stlc.arrays import Bools, Ints
 from stlc.milp.context import Context
-from stlc.milp.model import Ints
 from stlc.milp.tables.boxes import join_boxes
 from stlc.milp.tables.cells import ordered_axes
-from stlc.milp.tables.cover import Bools, clipped, cover
+from stlc.milp.tables.cover import clipped, cover
 from stlc.milp.tables.link import Link
 from stlc.milp.tables.pairs import existing_pair_columns, pair_columns
 from stlc.milp.tables.simplex import Kind

@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from stlc.arrays import Floats
 from stlc.errors import OutputError
-from stlc.milp.model import Floats, Model
+from stlc.milp.model import Model
 from stlc.milp.writers.names import Texts
 
 if TYPE_CHECKING:

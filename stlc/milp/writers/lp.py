@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.milp.model import Floats, Ints, Model
+from stlc.arrays import Floats, Ints
+from stlc.milp.model import Model
 from stlc.milp.writers.form import FileForm, file_form, lines, number_texts
 from stlc.milp.writers.names import Texts
 

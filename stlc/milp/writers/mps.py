@@ -10,7 +10,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from stlc.milp.model import Ints, Model
+from stlc.arrays import Ints
+from stlc.milp.model import Model
 from stlc.milp.writers.form import FileForm, Mask, file_form, lines, number_texts
 from stlc.milp.writers.names import Texts
 

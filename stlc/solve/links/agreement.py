@@ -18,9 +18,10 @@ from typing import TypeVar
 
 import numpy as np
 
+from stlc.arrays import Bools, Floats
 from stlc.solve.links.chain import Chain, SingleWeights, single
 from stlc.solve.links.layers import Layer
-from stlc.solve.links.problem import Bools, Floats, Problem, Singles
+from stlc.solve.links.problem import Problem, Singles
 from stlc.solve.links.shares import lighter, pair_share, stage_cost
 
 Pair = tuple[int, int]

@@ -12,10 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stlc.arrays import Bools, Floats, Ints
 from stlc.solve.links.boxes import AxisGrid, Edges, corners
 from stlc.solve.links.chain import SAFETY
 from stlc.solve.links.layers import Layer
-from stlc.solve.links.problem import Body, Bools, Floats, Ints
+from stlc.solve.links.problem import Body
 from stlc.solve.links.steps import Half, Step, make_step, spread
 
 

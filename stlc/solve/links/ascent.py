@@ -13,8 +13,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from stlc.arrays import Floats
 from stlc.solve.links.arcs import Arcs
-from stlc.solve.links.problem import Floats
 
 _MEMORY = 8  # steps that L-BFGS remembers
 _TRIES = 5  # of a line search

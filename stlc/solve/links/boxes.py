@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stlc.solve.links.problem import Axis, Bools, Floats, Ints
+from stlc.arrays import Bools, Floats, Ints
+from stlc.solve.links.problem import Axis
 
 TOUCH = 1e-6  # m: a border this close to a face counts as on it
 EPS = 1e-7

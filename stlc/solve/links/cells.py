@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stlc.solve.links.problem import Body, Floats, Ints, Problem
+from stlc.arrays import Floats, Ints
+from stlc.solve.links.problem import Body, Problem
 
 
 def touching(edges: Floats, p: Floats, tolerance: float = 1e-6) -> tuple[Ints, Ints]:

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from stlc.arrays import Floats, Ints
 from stlc.solve.links.boxes import Edges, corners, edge_min
 from stlc.solve.links.layers import Layer
-from stlc.solve.links.problem import Body, Floats, Ints, Singles
+from stlc.solve.links.problem import Body, Singles
 from stlc.solve.links.steps import Reals, both_ways, make_step
 
 SAFETY = 2e-6  # taken off each axis edge

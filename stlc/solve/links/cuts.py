@@ -8,9 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from stlc.arrays import Ints
 from stlc.solve.links.arcs import Arcs
 from stlc.solve.links.ascent import ascend, shares
-from stlc.solve.links.problem import Ints, Problem
+from stlc.solve.links.problem import Problem
 
 _TRIALS, _ROUNDS = 4, 4
 _LEAST = 1e-9  # share of the runs

@@ -6,9 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from stlc.arrays import Floats
 from stlc.solve.links.cells import cells_at, touching
 from stlc.solve.links.lattice import EDGE, Lone, between, lattice
-from stlc.solve.links.problem import Floats, Problem, Singles
+from stlc.solve.links.problem import Problem, Singles
 
 
 class Descent:

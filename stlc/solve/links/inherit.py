@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from stlc.arrays import Bools, Ints
 from stlc.solve.links.agreement import Pair, Prices
 from stlc.solve.links.layers import Layer
-from stlc.solve.links.problem import Bools, Ints, Problem
+from stlc.solve.links.problem import Problem
 
 
 def sliced(prices: Prices, index: Sequence[Sequence[Ints]]) -> Prices:

@@ -14,9 +14,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from stlc.arrays import Bools, Floats
 from stlc.solve.links.chain import Chain
 from stlc.solve.links.layers import Layer
-from stlc.solve.links.problem import Body, Bools, Floats
+from stlc.solve.links.problem import Body
 
 
 class Joint:

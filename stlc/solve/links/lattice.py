@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stlc.solve.links.problem import Axis, Body, Bools, Floats, Ints, Problem, Singles
+from stlc.arrays import Bools, Floats, Ints
+from stlc.solve.links.problem import Axis, Body, Problem, Singles
 
 MOST_STATES = 1_500_000
 _INF = np.float32(np.inf)

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from stlc.arrays import Bools, Floats, Ints
 from stlc.solve.links.boxes import EPS, AxisGrid, axis_grid, point_grid
-from stlc.solve.links.problem import Axis, Body, Bools, Floats, Ints, Problem
+from stlc.solve.links.problem import Axis, Body, Problem
 from stlc.solve.links.reach import Tubes, boxes_meet, meeting
 
 MARGIN = 1e-6

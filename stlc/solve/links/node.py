@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from stlc.arrays import Bools
 from stlc.solve.links.cuts import Cut, along
 from stlc.solve.links.layers import Layer, restrict, with_choice
-from stlc.solve.links.problem import Body, Bools, Problem
+from stlc.solve.links.problem import Body, Problem
 from stlc.solve.links.reach import Tubes
 
 Rows = tuple[list[Layer], list[Layer]]

@@ -12,7 +12,8 @@ from math import hypot
 
 import numpy as np
 
-from stlc.solve.links.problem import Body, Bools, Floats
+from stlc.arrays import Bools, Floats
+from stlc.solve.links.problem import Body
 
 EPS = 1e-7
 FLAT = 1e-9  # a vertex this near to the chord of its neighbours is left out; well within EPS

@@ -14,13 +14,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stlc.analysis.ranges import Ranges
+from stlc.arrays import Bools, Floats, Ints
 from stlc.ir.nodes import And, Linear, Link, Node, Not, Or, Role
 from stlc.milp.compile import Compiled
-from stlc.milp.context import Ranges
 from stlc.mission import Agent, Channel, Dynamics, ObjectiveTerm, TermKind
 from stlc.radio.partition import Partition
 from stlc.scales import static_range, steps_of
-from stlc.solve.links.problem import Apart, Axis, Body, Bools, Floats, Ints, Place, Problem
+from stlc.solve.links.problem import Apart, Axis, Body, Place, Problem
 
 _ANY = np.array([[-np.inf, np.inf], [-np.inf, np.inf]])
 

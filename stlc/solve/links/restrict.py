@@ -12,10 +12,11 @@ from typing import Any
 
 import numpy as np
 
+from stlc.arrays import Bools, Floats, Ints
 from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
 from stlc.solve.links.layers import Layer
-from stlc.solve.links.problem import Bools, Floats, Ints, Problem
+from stlc.solve.links.problem import Problem
 from stlc.solve.links.settle import groups_of, settle
 
 _SLACK = 1e-6

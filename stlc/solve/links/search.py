@@ -15,11 +15,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from stlc.arrays import Floats
 from stlc.solve.links.descent import Descent
 from stlc.solve.links.joint import Joint
 from stlc.solve.links.layers import Layer, Maker, rate_borders
 from stlc.solve.links.node import Node, with_cut, with_part
-from stlc.solve.links.problem import Floats
 from stlc.solve.links.reach import tubes
 from stlc.solve.links.session import Session
 from stlc.solve.links.tighten import MARGIN, Tightener

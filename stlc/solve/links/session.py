@@ -8,9 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from stlc.arrays import Bools, Floats
 from stlc.backends.base import Backend, Progress, SolveOptions, Status
 from stlc.solve.links.cells import cells_at, cheapest_cells, met
-from stlc.solve.links.problem import Bools, Floats, Problem
+from stlc.solve.links.problem import Problem
 from stlc.solve.links.restrict import Frame
 
 _TOUCH = 1e-6  # m: cells this close count as touched

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from stlc.arrays import Floats, Ints
 from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
-from stlc.solve.links.problem import Floats, Ints
 
 _SLACK = 1e-9
 

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from stlc.solve.links.problem import Axis, Body, Floats, Problem
+from stlc.arrays import Floats
+from stlc.solve.links.problem import Axis, Body, Problem
 
 
 def pair_share(problem: Problem, pair: tuple[int, int]) -> Problem:

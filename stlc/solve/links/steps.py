@@ -7,9 +7,10 @@ from typing import TypeVar
 
 import numpy as np
 
+from stlc.arrays import Bools, Floats, Ints
 from stlc.solve.links.boxes import EPS, AxisGrid, feasible_pairs
 from stlc.solve.links.layers import Layer
-from stlc.solve.links.problem import Body, Bools, Floats, Ints, Singles
+from stlc.solve.links.problem import Body, Singles
 
 Reals = TypeVar("Reals", Floats, Singles)
 

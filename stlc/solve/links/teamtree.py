@@ -15,10 +15,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from stlc.arrays import Bools, Floats, Ints
 from stlc.solve.links.agreement import Agreement, Pair, Prices, no_prices
 from stlc.solve.links.inherit import blocks, handed_down, masked, sliced
 from stlc.solve.links.layers import Layer, Maker, cells_of, rate_borders, restrict, with_choice
-from stlc.solve.links.problem import Bools, Floats, Ints, Problem
+from stlc.solve.links.problem import Problem
 from stlc.solve.links.reach import tubes
 from stlc.solve.links.session import Session
 from stlc.solve.links.shares import coarsened

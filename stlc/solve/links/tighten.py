@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from stlc.arrays import Bools, Floats
 from stlc.solve.links.arcs import Arcs
 from stlc.solve.links.ascent import ascend
 from stlc.solve.links.cuts import best_cut
 from stlc.solve.links.joint import Joint
 from stlc.solve.links.layers import cells_of, restrict, sloped
 from stlc.solve.links.node import Node
-from stlc.solve.links.problem import Bools, Floats
 from stlc.solve.links.restrict import potentials, relax
 from stlc.solve.links.session import Session
 from stlc.solve.links.shares import stage_cost

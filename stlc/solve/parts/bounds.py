@@ -15,10 +15,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from stlc.arrays import Floats, Ints
 from stlc.backends.base import Backend, Capability, Solution, SolveOptions, Status
 from stlc.errors import InfeasibleError, SolverError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
-from stlc.milp.model import Block, Floats, Ints, Model, Origin
+from stlc.milp.model import Block, Model, Origin
 from stlc.mission import TermKind
 from stlc.solve.parts.project import project
 

@@ -13,14 +13,15 @@ from itertools import combinations
 
 import numpy as np
 
+from stlc.arrays import Floats
 from stlc.backends.base import Backend, SolveOptions
 from stlc.errors import InfeasibleError, SolverError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
-from stlc.milp.model import Floats, Model
+from stlc.milp.model import Model
 from stlc.solve.certify import continuous_part
+from stlc.solve.mip_start import hold
 from stlc.solve.parts.bounds import Part, Run, bounded, brief, least
 from stlc.solve.parts.project import project
-from stlc.solve.start import hold
 
 _MANY = 4  # agents: two of fewer are nearly the whole
 _FAR = 0.1  # relative: a plan so far off is worth another one

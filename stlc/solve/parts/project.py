@@ -12,8 +12,9 @@ from dataclasses import replace
 
 from stlc.channels import ChannelTables
 from stlc.ir.nodes import Const, Linear, Link, Node, Not, walk
+from stlc.ir.requirement import Requirement
 from stlc.ir.rewrite import rewrite
-from stlc.mission import Mission, ObjectiveTerm, Requirement, TermKind
+from stlc.mission import Mission, ObjectiveTerm, TermKind
 from stlc.passes import nnf
 from stlc.passes.base import Program
 from stlc.scales import static_range

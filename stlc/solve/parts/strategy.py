@@ -6,9 +6,9 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 
+from stlc.arrays import Floats
 from stlc.backends.base import Backend, Capability, Progress, Solution, SolveOptions, Status
 from stlc.milp.compile import Compiled
-from stlc.milp.model import Floats
 from stlc.solve.parts.bounds import Part, least
 from stlc.solve.parts.joint import Joint
 from stlc.solve.strategy import remaining, solve_twice_if_infeasible

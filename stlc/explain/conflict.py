@@ -21,7 +21,8 @@ from stlc import backends
 from stlc.backends.base import Solution, SolveOptions, Status
 from stlc.errors import InfeasibleError
 from stlc.ir.nodes import Always, And, Node
-from stlc.mission import Mission, Requirement
+from stlc.ir.requirement import Requirement
+from stlc.mission import Mission
 from stlc.solve.confirm import confirm_infeasible
 from stlc.solve.supervise import Supervisor
 

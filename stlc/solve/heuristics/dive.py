@@ -25,10 +25,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stlc.milp.conflicts import demands_of, find_conflicts
-from stlc.milp.goals import Level
-from stlc.milp.guide import guides
-from stlc.milp.model import Floats, Ints, Model
+from stlc.analysis.conflicts import demands_of, find_conflicts
+from stlc.analysis.goals import Level
+from stlc.arrays import Floats, Ints
+from stlc.milp.model import Model
+from stlc.solve.heuristics.guides import guides
 
 if TYPE_CHECKING:
     from stlc.milp.compile import Compiled

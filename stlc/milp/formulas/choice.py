@@ -19,14 +19,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from stlc.analysis.bounds import value_range
+from stlc.analysis.goals import Goal, Level
+from stlc.arrays import Floats, Ints
 from stlc.errors import MissionError
 from stlc.ir.nodes import Linear, Node, Role, Signal
 from stlc.milp.big_m import LARGEST, TooLargeM
-from stlc.milp.bounds import value_range
 from stlc.milp.builder import ModelBuilder
 from stlc.milp.context import Context
-from stlc.milp.goals import Goal, Level
-from stlc.milp.model import Floats, Ints
 
 Terms = tuple[tuple[Signal, float], ...]
 

@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from stlc.ir.nodes import Linear
-from stlc.milp.selectors import FEW, ONE_HOT, SELECTORS, FormulaEncoding
+from stlc.milp.formulas.selectors import FEW, ONE_HOT, SELECTORS, FormulaEncoding
 
 
 def choose(predicates: Sequence[Sequence[Linear]]) -> tuple[FormulaEncoding, str]:

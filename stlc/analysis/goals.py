@@ -14,10 +14,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from stlc.analysis.bounds import LinkBounds, static_bounds, unknown
+from stlc.analysis.ranges import Ranges
 from stlc.errors import UsageError
-from stlc.milp.bounds import LinkBounds, static_bounds, unknown
-from stlc.milp.context import Ranges
-from stlc.mission import Mission, Requirement, TermKind
+from stlc.ir.requirement import Requirement
+from stlc.mission import Mission, TermKind
 
 Scales = tuple[tuple[str, float], ...]
 

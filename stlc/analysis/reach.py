@@ -14,10 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stlc.analysis.ranges import Ranges
+from stlc.arrays import Floats
 from stlc.errors import InfeasibleError
 from stlc.ir.nodes import Linear, Role
-from stlc.milp.context import Ranges
-from stlc.milp.model import Floats
 from stlc.mission import Agent, Mission, NormBound, PolygonKind, Polytope
 
 _SWEEPS = 3

@@ -20,10 +20,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from stlc.arrays import Floats, Ints
 from stlc.ir.nodes import Linear
 from stlc.milp.builder import ModelBuilder
-from stlc.milp.choice import Direction, Faces
-from stlc.milp.model import Floats, Ints
+from stlc.milp.formulas.choice import Direction, Faces
 
 
 class Hull:

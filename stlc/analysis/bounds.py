@@ -14,9 +14,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 
+from stlc.analysis.ranges import Ranges
 from stlc.ir.nodes import And, Const, Linear, Link, Node, Not, Or, Quantity, Role
 from stlc.ir.rewrite import postorder
-from stlc.milp.context import Ranges
 
 Interval = tuple[float, float]
 LinkBounds = Callable[[Link | Not], Interval]

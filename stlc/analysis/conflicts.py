@@ -12,15 +12,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stlc.analysis.ranges import Ranges
+from stlc.analysis.stages import LevelOf, box_of
+from stlc.arrays import Bools, Floats, Ints
 from stlc.ir.nodes import And, Linear, Node, Role
-from stlc.milp.context import Ranges
-from stlc.milp.model import Floats, Ints
-from stlc.milp.stages import LevelOf, box_of
 from stlc.mission import Agent, Mission
-
-Bools = NDArray[np.bool_]
 
 _SLACK = 1e-6
 MOST = 1500

@@ -12,13 +12,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stlc.milp.context import Ranges
-from stlc.milp.model import Floats
+from stlc.analysis.ranges import Ranges
+from stlc.arrays import Bools, Floats
 from stlc.mission import Agent
-
-Bools = NDArray[np.bool_]
 
 _EDGE = 1e-9
 

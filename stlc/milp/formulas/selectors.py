@@ -25,12 +25,12 @@ from typing import Protocol
 
 import numpy as np
 
+from stlc.arrays import Ints
 from stlc.errors import UsageError
 from stlc.ir.nodes import Linear
 from stlc.milp.builder import ModelBuilder
-from stlc.milp.choice import Faces
-from stlc.milp.hull import Hull
-from stlc.milp.model import Ints
+from stlc.milp.formulas.choice import Faces
+from stlc.milp.formulas.hull import Hull
 
 ENTRY_POINTS = "stlc.encodings"
 """Entry-point group of encodings, of formulas and of link tables."""

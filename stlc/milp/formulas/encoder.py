@@ -17,16 +17,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from stlc.analysis.goals import Goal, Level
+from stlc.arrays import Ints
 from stlc.ir.nodes import And, Const, Linear, Link, Node, Not, Or
+from stlc.ir.requirement import Requirement
 from stlc.ir.rewrite import postorder
-from stlc.milp.auto import choose
-from stlc.milp.choice import Alternative, Faces
 from stlc.milp.context import Context
-from stlc.milp.goals import Goal, Level
-from stlc.milp.links import LinkEncoder
-from stlc.milp.model import Ints
-from stlc.milp.selectors import ONE_HOT, FormulaEncoding
-from stlc.mission import Requirement
+from stlc.milp.formulas.auto import choose
+from stlc.milp.formulas.choice import Alternative, Faces
+from stlc.milp.formulas.links import LinkEncoder
+from stlc.milp.formulas.selectors import ONE_HOT, FormulaEncoding
 
 _TOP = -1
 _NONE = np.empty(0, np.int64)

@@ -20,13 +20,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stlc.analysis.goals import Level
+from stlc.analysis.ranges import Ranges
+from stlc.analysis.stages import LevelOf, single_place
+from stlc.arrays import Bools, Floats
 from stlc.ir.nodes import And, Linear, Node, Or, Role
-from stlc.milp.context import Ranges
-from stlc.milp.goals import Level
-from stlc.milp.lattice import Axis, Bools, axis_lattice, moved, origins
-from stlc.milp.model import Floats
-from stlc.milp.stages import LevelOf, single_place
 from stlc.mission import Agent
+from stlc.solve.heuristics.lattice import Axis, axis_lattice, moved, origins
 
 if TYPE_CHECKING:
     from stlc.milp.compile import Compiled

@@ -1,0 +1,70 @@
+"""A mission's channel tables by polarity and within reach.
+
+Robustness of a link predicate on cells: `low` is what surely holds in each closed cell pair (the
+worst for a positive predicate), `high` the other end, negated for a negated predicate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stlc.analysis.ranges import Ranges
+from stlc.arrays import Floats, Ints
+from stlc.ir.nodes import Link, Node, Not
+from stlc.mission import Channel, Mission
+
+if TYPE_CHECKING:
+    from stlc.channels import ChannelTables
+
+
+@dataclass(slots=True)
+class LinkTables:
+    """A mission's channel tables as the encoders want them: by polarity, and within reach."""
+
+    mission: Mission
+    channels: ChannelTables = field(init=False)
+
+    def __post_init__(self) -> None:
+        from stlc.channels import ChannelTables
+
+        self.channels = ChannelTables(self.mission)
+
+    def cost(self, channel: Channel, pair: tuple[str, str]) -> Floats:
+        """Link cost (n, n), or (n,) towards a station."""
+        return self.channels.cost(channel.name, pair)
+
+    def robustness(self, node: Link | Not) -> Floats:
+        """What surely holds of a (negated) link predicate: (n, n), or (n,) towards a station."""
+        found = self.channels.thresholds(link_of(node))
+        return -found.high if isinstance(node, Not) else found.low
+
+    def bounds(self, node: Link | Not, ranges: Mapping[str, Ranges]) -> tuple[float, float]:
+        """Least and greatest robustness over the cells in reach at the predicate's step."""
+        table, link = self.robustness(node), link_of(node)
+        seen = table[np.ix_(*self._cells(link, ranges))] if table.ndim else table
+        if seen.size == 0:
+            return -np.inf, -np.inf
+        return float(seen.min()), float(seen.max())
+
+    def _cells(self, link: Link, ranges: Mapping[str, Ranges]) -> list[Ints]:
+        partition = self.mission.channels[link.channel].partition
+        moving = [n for n in (link.sender, link.receiver) if n in self.mission.agents]
+        return [
+            np.asarray(
+                partition.touching(
+                    ranges[name].position_lower[link.shift], ranges[name].position_upper[link.shift]
+                )
+            )
+            for name in moving
+        ]
+
+
+def link_of(node: Node) -> Link:
+    """The link predicate below a possible negation."""
+    inner = node.arg if isinstance(node, Not) else node
+    assert isinstance(inner, Link)
+    return inner

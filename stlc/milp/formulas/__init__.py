@@ -1,0 +1,1 @@
+"""Formulas as columns and rows of a Model."""

@@ -1,0 +1,1 @@
+"""Primal heuristics: plans to start from."""
