@@ -10,7 +10,7 @@ over predicates of one agent at one step, keeping only what matters:
 
 Products are taken while the number of terms stays small, so nothing blows up. Obstacles become a
 choice of one maximal free polytope, which has one literal instead of one for each obstacle and a
-far tighter relaxation (see `milp/choice.py`).
+far tighter relaxation (see `milp/formulas/choice.py`).
 
 Needs: decide (for pruned alternatives). Guarantees: the runs with robustness >= margin are the
 same, and on them so is the robustness (min and max distribute over each other).

@@ -6,10 +6,10 @@ it is optimal, and no dual work is needed. The search holds rho at that bound an
 alternative each disjunction takes,
 
     disjunctions that range over time first, the widest first; the alternative that the LP likes,
-    every alternative that conflicts with a decision (`conflicts.py`) is ruled out at once,
+    every alternative that conflicts with a decision (`analysis/conflicts.py`) is ruled out at once,
     backtracking in order, restarts from other LP vertices (random costs) with growing limits.
 
-Between the first dive and the restarts come runs of lattices (`guide.py`): their alternatives are
+Between the first dive and the restarts come runs of lattices (`guides.py`): their alternatives are
 tried all at once, then one by one, those over time first.
 
 It gives up after a fixed number of LPs, so it is repeatable. A point found with all literals
