@@ -1,7 +1,7 @@
 """Drops alternatives of stages that no run can take, and narrows the ranges to what is left.
 
-    A or B  =  B     where interval reach sets through the stages (`analysis/stages.py`) show that no
-                     run within the ranges takes alternative A at its step
+    A or B  =  B     where interval reach sets through the stages (`analysis/stages.py`) show that
+                     no run within the ranges takes alternative A at its step
 
 The same sets at a higher level than the margin cap the robustness columns: where no run can take
 the stages at robustness r, r is an upper bound, and bisection finds the least such r.
