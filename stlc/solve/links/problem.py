@@ -17,6 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stlc.arrays import Floats, Ints
+
 Singles = NDArray[np.float32]
 
 
