@@ -71,12 +71,17 @@ class SolveOptions:
 
     time_limit: float | None = None
     gap: float = 1e-4
-    threads: int | None = None
+    threads: int | None = None  # None: one, so that a plan repeats on every machine
     seed: int | None = None
     start: Floats | None = None  # (n,) MIP start
     on_progress: Callable[[Progress], None] | None = None
     should_stop: Callable[[], bool] | None = None
     extra: dict[str, object] = field(default_factory=dict)  # solver's own options, passed through
+
+    @property
+    def workers(self) -> int:
+        """Threads as a number: solvers are always told, since their own choices differ."""
+        return self.threads or 1
 
 
 @dataclass(frozen=True, slots=True)

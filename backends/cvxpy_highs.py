@@ -10,6 +10,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from stlc.backends.base import Capability, Solution, SolveOptions, Status
+from stlc.backends.highs_session import SCHEDULER
+from stlc.backends.quiet import quietly
 from stlc.backends.support import (
     finite,
     ignored,
@@ -31,6 +33,7 @@ class Cvxpy:
     capabilities: ClassVar[Capability] = (
         Capability.TIME_LIMIT
         | Capability.GAP
+        | Capability.THREADS
         | Capability.SEED
         | Capability.NODES
         | Capability.EXTRA
@@ -40,12 +43,14 @@ class Cvxpy:
         """None when CVXPY can be imported."""
         return missing("cvxpy", "'stlc[cvxpy]'")
 
+    @quietly
     def version(self) -> str:
         """Such as 'HiGHS 1.15.1 (CVXPY 1.9.3)'."""
         from importlib.metadata import version
 
         return f"HiGHS {version('highspy')} (CVXPY {version('cvxpy')})"
 
+    @quietly
     def solve(self, model: Model, options: SolveOptions) -> Solution:
         """Minimise. `extra` are HiGHS's options; SolverError when CVXPY refuses one."""
         require(self)
@@ -53,7 +58,8 @@ class Cvxpy:
             return answer
         began = time.perf_counter()
         problem, x = _problem(model)
-        _run(problem, options)
+        with SCHEDULER.claim(options.workers) as threads:
+            _run(problem, options, threads)
         info = problem.solver_stats.extra_stats if problem.solver_stats is not None else None
         # At a limit without an incumbent CVXPY hands out x = 0: only HiGHS's own info tells.
         feasible = info is not None and info.primal_solution_status == 2
@@ -74,7 +80,7 @@ class Cvxpy:
             time.perf_counter() - began,
             self.name,
             self.version(),
-            ignored(self, options),
+            ignored(self, options) + (() if options.threads in (None, threads) else ("threads",)),
             str(problem.status),
         )
 
@@ -97,10 +103,12 @@ def _problem(model: Model) -> tuple[Any, Any]:
     return cp.Problem(cp.Minimize(model.c @ x + model.offset), rows), x
 
 
-def _run(problem: Any, options: SolveOptions) -> None:
+def _run(problem: Any, options: SolveOptions, threads: int) -> None:
     import cvxpy as cp
 
-    settings: dict[str, object] = {"mip_rel_gap": options.gap, **options.extra}
+    settings: dict[str, object] = {
+        "mip_rel_gap": options.gap, "threads": threads, **options.extra
+    }  # fmt: skip
     if options.time_limit is not None:
         settings["time_limit"] = float(options.time_limit)
     if options.seed is not None:

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from stlc.backends.base import Capability, Floats, Progress, Solution, SolveOptions, Status
+from stlc.backends.quiet import quietly
 from stlc.backends.support import (
     Worker,
     finite,
@@ -40,12 +41,14 @@ class Gurobi:
         """None when gurobipy can be imported."""
         return missing("gurobipy", "'stlc[gurobi]'")
 
+    @quietly
     def version(self) -> str:
         """Such as 'Gurobi 13.0.3'."""
         import gurobipy
 
         return "Gurobi " + ".".join(str(part) for part in gurobipy.gurobi.version())
 
+    @quietly
     def solve(self, model: Model, options: SolveOptions) -> Solution:
         """Minimise. SolverError for a licence that is missing or too small, or a refused option."""
         import gurobipy
@@ -111,7 +114,7 @@ def _load(grb: Any, model: Model, options: SolveOptions) -> Any:
     grb.setParam("MIPGap", options.gap)
     asked = (
         ("TimeLimit", options.time_limit),
-        ("Threads", options.threads),
+        ("Threads", options.workers),
         ("Seed", options.seed),
     )
     for key, value in (*asked, *options.extra.items()):

@@ -9,7 +9,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from stlc.backends.base import Capability, Solution, SolveOptions, Status
-from stlc.backends.highs_session import SCHEDULER, listen
+from stlc.backends.highs_session import SCHEDULER, listen, new_highs
+from stlc.backends.quiet import quietly
 from stlc.backends.support import (
     Worker,
     finite,
@@ -41,25 +42,27 @@ class Highs:
         """None when highspy can be imported."""
         return missing("highspy", "'highspy>=1.15.1'")
 
+    @quietly
     def version(self) -> str:
         """Such as 'HiGHS 1.15.1'."""
-        return f"HiGHS {_highspy().Highs().version()}"
+        return f"HiGHS {new_highs().version()}"
 
+    @quietly
     def solve(self, model: Model, options: SolveOptions) -> Solution:
         """Minimise. SolverError on any error status of HiGHS; solver options through `extra`."""
         require(self)
         if (answer := trivial(self, model, options)) is not None:
             return answer
         began = time.perf_counter()
-        with SCHEDULER.claim(options.threads or 0) as granted:
+        with SCHEDULER.claim(options.workers) as threads:
             h, worker = _loaded(model), Worker(options)
-            _configure(h, model, options, granted)
+            _configure(h, model, options, threads)
             listen(h, worker, model)
             worker.run(lambda: _check(h.run(), "run"))
-            return self._read(h, model, options, granted, time.perf_counter() - began)
+            return self._read(h, model, options, threads, time.perf_counter() - began)
 
     def _read(
-        self, h: Any, model: Model, options: SolveOptions, granted: bool, seconds: float
+        self, h: Any, model: Model, options: SolveOptions, threads: int, seconds: float
     ) -> Solution:
         info, has_point = h.getInfo(), _has_point(h)
         status = _status(h, has_point)
@@ -78,7 +81,7 @@ class Highs:
             seconds,
             self.name,
             self.version(),
-            ignored(self, options) + (() if granted else ("threads",)),
+            ignored(self, options) + (() if options.threads in (None, threads) else ("threads",)),
             h.modelStatusToString(h.getModelStatus()),
         )
 
@@ -90,8 +93,7 @@ def _check(status: Any, what: str) -> None:
 
 def _loaded(model: Model) -> Any:
     hs, A = _highspy(), model.A
-    h = hs.Highs()
-    _check(h.setOptionValue("log_to_console", False), "log_to_console")
+    h = new_highs()
     status = h.passModel(
         model.columns, model.rows, A.nnz, int(hs.MatrixFormat.kRowwise),
         int(hs.ObjSense.kMinimize), model.offset, model.c, model.col_lower, model.col_upper,
@@ -102,12 +104,10 @@ def _loaded(model: Model) -> Any:
     return h
 
 
-def _configure(h: Any, model: Model, options: SolveOptions, granted: bool) -> None:
-    values: dict[str, object] = {"mip_rel_gap": options.gap}
+def _configure(h: Any, model: Model, options: SolveOptions, threads: int) -> None:
+    values: dict[str, object] = {"mip_rel_gap": options.gap, "threads": threads}
     if options.time_limit is not None:
         values["time_limit"] = float(options.time_limit)
-    if options.threads is not None and granted:
-        values["threads"] = options.threads
     if options.seed is not None:
         values["random_seed"] = options.seed
     for key, value in (values | options.extra).items():

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from stlc.backends.base import Progress
+from stlc.backends.quiet import silence
 from stlc.backends.support import Worker, finite
 from stlc.milp.model import Model
 
@@ -20,19 +21,24 @@ class Scheduler:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._active = 0
-        self._threads = 0
+        self._size = 0  # not known yet
+
+    @property
+    def size(self) -> int:
+        """Of the pool as it is: what every solve has to ask for."""
+        return self._size or 1
 
     @contextmanager
-    def claim(self, threads: int) -> Iterator[bool]:
-        """Yield whether the pool has (or was given) the size asked for; 0 is HiGHS's choice."""
+    def claim(self, threads: int) -> Iterator[int]:
+        """Yield the size of the pool: `threads`, unless a solve under way holds another."""
         with self._lock:
-            if threads != self._threads and self._active == 0:
+            if threads != self._size and self._active == 0:
                 _highspy().Highs.resetGlobalScheduler(True)
-                self._threads = threads
-            granted = threads == self._threads
+                self._size = threads
+            size = self._size
             self._active += 1
         try:
-            yield granted
+            yield size
         finally:
             with self._lock:
                 self._active -= 1
@@ -45,6 +51,14 @@ def _highspy() -> Any:
     import highspy
 
     return highspy
+
+
+def new_highs() -> Any:
+    """A `Highs` that prints nothing, its banner included."""
+    with silence():
+        h = _highspy().Highs()
+        h.setOptionValue("log_to_console", False)
+    return h
 
 
 def listen(h: Any, worker: Worker, model: Model) -> None:

@@ -14,6 +14,7 @@ from typing import ClassVar
 from stlc.backends import cbc_log
 from stlc.backends.base import Capability, Solution, SolveOptions, Status
 from stlc.backends.pulp_model import FileProblem
+from stlc.backends.quiet import quietly
 from stlc.backends.support import (
     claimed_bound,
     ignored,
@@ -48,12 +49,14 @@ class PulpCbc:
             return "PuLP's CBC binary is not executable; run: pip install --force-reinstall pulp"
         return problem
 
+    @quietly
     def version(self) -> str:
         """Such as 'CBC 2.10.3 (PuLP 3.3.2)'."""
         from importlib.metadata import version
 
         return f"{_binary_version(bundled_cbc())} (PuLP {version('pulp')})"
 
+    @quietly
     def solve(self, model: Model, options: SolveOptions) -> Solution:
         """Minimise. `extra` are command line options of CBC, name to value."""
         require(self)
@@ -99,14 +102,15 @@ def _binary_version(path: str) -> str:
 def _run(problem: FileProblem, options: SolveOptions) -> str:
     import pulp
 
-    extra = [f"{key} {value}" for key, value in options.extra.items()]
+    threads = options.workers if options.workers > 1 else 0  # 1 would be a thread and its master
+    extra = [f"threads {threads}", *(f"{key} {value}" for key, value in options.extra.items())]
     if options.seed is not None:
         extra += [f"randomSeed {options.seed}", f"randomCbcSeed {options.seed}"]
     with tempfile.TemporaryDirectory(prefix="stlc-") as folder:
         log = Path(folder) / "cbc.log"
         solver = pulp.COIN_CMD(
             path=bundled_cbc(), msg=False, mip=bool(problem.model.integrality.any()),
-            timeLimit=options.time_limit, gapRel=options.gap, threads=options.threads,
+            timeLimit=options.time_limit, gapRel=options.gap, threads=None,
             options=extra, logPath=str(log), warmStart=options.start is not None,
         )  # fmt: skip
         solver.tmpDir = folder

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from stlc.backends.base import Capability, Solution, SolveOptions, Status
+from stlc.backends.quiet import quietly
 from stlc.backends.support import (
     finite,
     ignored,
@@ -17,7 +18,6 @@ from stlc.backends.support import (
     missing,
     point,
     require,
-    silence,
     trivial,
 )
 from stlc.errors import SolverError
@@ -52,6 +52,7 @@ class PythonMip:
         """None when python-mip can be imported."""
         return missing("mip", "'stlc[mip]'")
 
+    @quietly
     def version(self) -> str:
         """Such as 'CBC devel (python-mip 2.0.0)'."""
         from importlib.metadata import version
@@ -59,6 +60,7 @@ class PythonMip:
         ffi, lib = _cbc()
         return f"CBC {ffi.string(lib.Cbc_getVersion()).decode()} (python-mip {version('mip')})"
 
+    @quietly
     def solve(self, model: Model, options: SolveOptions) -> Solution:
         """Minimise. `extra` are CBC's parameters, set by name; CBC ignores unknown ones."""
         require(self)
@@ -66,8 +68,7 @@ class PythonMip:
             return answer
         began = time.perf_counter()
         mip = _loaded(model, options)
-        with silence():
-            claim = mip.optimize(max_seconds=_seconds(options))
+        claim = mip.optimize(max_seconds=_seconds(options))
         status = _STATUS.get(claim.name, Status.FAILED)
         if status is Status.UNBOUNDED and model.integrality.any() and model.c.any():
             status = infeasible_or_unbounded(self, model, options)  # only its relaxation is
@@ -142,12 +143,13 @@ def _loaded(model: Model, options: SolveOptions) -> Any:
 
 def _configure(target: Any, options: SolveOptions) -> None:
     target.max_mip_gap = options.gap
-    if options.threads is not None:
-        target.threads = options.threads
+    if options.workers > 1:
+        target.threads = options.workers
     if options.seed is not None:
         target.seed = options.seed
     ffi, lib = _cbc()
-    for key, value in options.extra.items():
+    serial = {"threads": 0} if options.workers == 1 else {}  # 1 would be a thread and its master
+    for key, value in (serial | options.extra).items():
         lib.Cbc_setParameter(target.solver._model, key.encode(), str(value).encode())
     if options.start is not None:
         columns = np.arange(len(options.start), dtype=np.int32)

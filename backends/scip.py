@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from stlc.backends.base import Capability, Floats, Progress, Solution, SolveOptions, Status
+from stlc.backends.quiet import quietly
 from stlc.backends.support import (
     Worker,
     finite,
@@ -37,6 +38,7 @@ class Scip:
         """None when pyscipopt can be imported."""
         return missing("pyscipopt", "'stlc[scip]'")
 
+    @quietly
     def version(self) -> str:
         """Such as 'SCIP 10.0.2 (PySCIPOpt 6.3.0)'."""
         from importlib.metadata import version
@@ -45,6 +47,7 @@ class Scip:
         numbers = f"{scip.getMajorVersion()}.{scip.getMinorVersion()}.{scip.getTechVersion()}"
         return f"SCIP {numbers} (PySCIPOpt {version('pyscipopt')})"
 
+    @quietly
     def solve(self, model: Model, options: SolveOptions) -> Solution:
         """Minimise. `extra` are SCIP's parameters; SolverError for unknown ones."""
         require(self)
@@ -138,11 +141,11 @@ def _columns(scip: Any, model: Model) -> list[Any]:
 
 
 def _configure(scip: Any, options: SolveOptions) -> None:
-    values: dict[str, object] = {"limits/gap": options.gap, **_SOUND}
+    values: dict[str, object] = {
+        "limits/gap": options.gap, "lp/threads": options.workers, **_SOUND
+    }  # fmt: skip
     if options.time_limit is not None:
         values["limits/time"] = float(options.time_limit)
-    if options.threads is not None:
-        values["lp/threads"] = options.threads
     if options.seed is not None:
         values["randomization/randomseedshift"] = options.seed
     for key, value in (values | options.extra).items():

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar, cast
 
 from stlc.backends.base import Capability, Solution, SolveOptions, Status
+from stlc.backends.quiet import quietly
 from stlc.backends.support import (
     finite,
     ignored,
@@ -33,12 +34,14 @@ class ScipyMilp:
         """None when SciPy can be imported."""
         return missing("scipy", "scipy")
 
+    @quietly
     def version(self) -> str:
         """Such as 'SciPy 1.17.1'."""
         import scipy
 
         return f"SciPy {scipy.__version__} (milp)"
 
+    @quietly
     def solve(self, model: Model, options: SolveOptions) -> Solution:
         """Minimise. `extra` takes SciPy's own `node_limit` and `presolve`."""
         require(self)

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import importlib.util
-import os
-import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from queue import Empty, SimpleQueue
 
@@ -24,6 +21,7 @@ from stlc.backends.base import (
     SolveOptions,
     Status,
 )
+from stlc.backends.quiet import aloud
 from stlc.errors import SolverError
 from stlc.milp.model import Model
 
@@ -116,21 +114,6 @@ def claimed_bound(status: Status, objective: float | None, options: SolveOptions
     return objective - options.gap * abs(objective)
 
 
-@contextmanager
-def silence() -> Iterator[None]:
-    """Send what C code prints on standard output to nowhere (CBC prints at log level 0 too)."""
-    sys.stdout.flush()
-    kept = os.dup(1)
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    try:
-        os.dup2(nowhere, 1)
-        yield
-    finally:
-        os.dup2(kept, 1)
-        os.close(kept)
-        os.close(nowhere)
-
-
 def point(values: object, columns: int, solver: str) -> Floats:
     """A solver's point as an array (columns,); SolverError when its length is wrong."""
     x = np.array(values, dtype=float)
@@ -188,7 +171,8 @@ class Worker:
             if event is None:
                 return
             if self.options.on_progress is not None:
-                self.options.on_progress(event)
+                with aloud():
+                    self.options.on_progress(event)
             self._ask(cancel)
 
     def _ask(self, cancel: Callable[[], None] | None) -> None:

@@ -52,8 +52,8 @@ def _cbc(files: Files, options: SolveOptions, more: Sequence[str]) -> list[str]:
     return [
         str(files.model), "-timeMode", "elapsed",
         *_given(("-sec", options.time_limit), ("-ratio", options.gap),
-                ("-threads", options.threads), ("-randomSeed", options.seed),
-                ("-randomCbcSeed", options.seed)),
+                ("-threads", options.workers if options.workers > 1 else 0),
+                ("-randomSeed", options.seed), ("-randomCbcSeed", options.seed)),
         *start, *more, "-solve", "-solution", str(files.solution),
     ]  # fmt: skip
 
@@ -82,7 +82,7 @@ def _scip(files: Files, options: SolveOptions, more: Sequence[str]) -> list[str]
 def _highs(files: Files, options: SolveOptions, more: Sequence[str]) -> list[str]:
     settings = {
         "mip_rel_gap": options.gap, "time_limit": options.time_limit,
-        "threads": options.threads, "random_seed": options.seed,
+        "threads": options.workers, "random_seed": options.seed,
     }  # fmt: skip
     given = [f"{key} = {value}\n" for key, value in settings.items() if value is not None]
     files.settings.write_text("".join(given))
@@ -95,7 +95,7 @@ def _highs(files: Files, options: SolveOptions, more: Sequence[str]) -> list[str
 def _cplex(files: Files, options: SolveOptions, more: Sequence[str]) -> list[str]:
     settings = _given(
         ("set timelimit", options.time_limit), ("set mip tolerances mipgap", options.gap),
-        ("set threads", options.threads), ("set randomseed", options.seed),
+        ("set threads", options.workers), ("set randomseed", options.seed),
     )  # fmt: skip
     pairs = zip(settings[::2], settings[1::2], strict=True)
     return [
@@ -107,7 +107,7 @@ def _cplex(files: Files, options: SolveOptions, more: Sequence[str]) -> list[str
 def _gurobi(files: Files, options: SolveOptions, more: Sequence[str]) -> list[str]:
     settings = (
         ("TimeLimit", options.time_limit), ("MIPGap", options.gap),
-        ("Threads", options.threads), ("Seed", options.seed),
+        ("Threads", options.workers), ("Seed", options.seed),
     )  # fmt: skip
     given = [f"{key}={value}" for key, value in settings if value is not None]
     return [*given, *more, f"ResultFile={files.solution}", str(files.model)]
@@ -121,7 +121,7 @@ def _fscip(files: Files, options: SolveOptions, more: Sequence[str]) -> list[str
     roles = ("-sl", "-sr", "-s")  # SCIP as load coordinator, at the root, in every solver
     return [
         str(files.settings), str(files.model), *_given(*((role, scip) for role in roles)),
-        "-fsol", str(files.solution), *_given(("-sth", options.threads)), *more,
+        "-fsol", str(files.solution), *_given(("-sth", options.workers)), *more,
     ]  # fmt: skip
 
 

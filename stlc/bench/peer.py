@@ -14,6 +14,7 @@ import numpy as np
 
 from stlc import backends
 from stlc.backends.base import Progress, Solution, Status
+from stlc.backends.highs_session import new_highs
 from stlc.bench.job import Job, Point, Update
 from stlc.bench.machine import cpu_seconds
 from stlc.bench.mission_run import load_solvers, no_point, relaxation, sizes, solve_options
@@ -81,8 +82,7 @@ def model_of(data: bytes, name: str) -> Model:
     highspy: Any = import_module("highspy")
     if name.endswith(".xz"):
         data, name = lzma.decompress(data), name.removesuffix(".xz")
-    h = highspy.Highs()
-    h.setOptionValue("log_to_console", False)
+    h = new_highs()
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "model.mps.gz" if name.endswith(".gz") else "model.mps")
         path.write_bytes(data)

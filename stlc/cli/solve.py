@@ -41,7 +41,9 @@ _EXPLAIN = 20.0  # s for all solves that look for a conflict
               help="Seconds for the solver; the best plan so far stands.")  # fmt: skip
 @click.option("--gap", type=click.FloatRange(min=0), default=1e-4, show_default=True,
               help="Relative distance from the optimum that is good enough.")  # fmt: skip
-@click.option("--threads", type=click.IntRange(min=1), help="Of the solver; else it decides.")
+@click.option(
+    "--threads", type=click.IntRange(min=1), help="Of the solver; else one, so that plans repeat."
+)
 @click.option("--seed", type=click.IntRange(min=0), help="Of the solver's random choices.")
 @click.option("--start", type=click.Path(path_type=Path), help="A plan to start from.")
 @click.option("--shift", type=click.IntRange(min=0), default=0, help="Shift the start by steps.")

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from queue import Empty, SimpleQueue
 
 from stlc.backends.base import Progress, Solution, SolveOptions
+from stlc.backends.quiet import aloud
 
 _POLL = 0.05  # s
 _NAME = "stlc-solve"
@@ -97,7 +98,8 @@ class Supervisor:
         if self.options.on_progress is not None:
             for report in reports:
                 stale = report.incumbent is not None and report is not points[-1]
-                self.options.on_progress(replace(report, incumbent=None) if stale else report)
+                with aloud():
+                    self.options.on_progress(replace(report, incumbent=None) if stale else report)
         return next((m for m in messages if isinstance(m, _End)), None)
 
 

@@ -341,9 +341,10 @@ def _load(model: Model, rho: int, target: float) -> Any:
     """The relaxation without costs, rho fixed, ready for warm dual simplex."""
     import highspy
 
-    make: Any = highspy.Highs
-    lp, A = make(), model.A
-    for key, value in (("log_to_console", False), ("threads", 1), ("presolve", "off")):
+    from stlc.backends.highs_session import SCHEDULER, new_highs
+
+    lp, A = new_highs(), model.A
+    for key, value in (("threads", SCHEDULER.size), ("presolve", "off")):
         lp.setOptionValue(key, value)
     lower, upper = model.col_lower.copy(), model.col_upper.copy()
     lower[rho] = upper[rho] = target
