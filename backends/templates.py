@@ -129,7 +129,8 @@ _ALL = Capability.GAP | Capability.THREADS | Capability.SEED
 
 _CBC = Template(
     "cbc", "CBC", "cbc", _cbc,
-    optimal=r"^Optimal\b", infeasible=r"^(Infeasible|Integer infeasible)\b",
+    optimal=r"^Optimal\b",
+    infeasible=r"^(Infeasible|Integer infeasible|Bound tightening: infeasibility proved)\b",
     unbounded="", ambiguous=r"^Unbounded\b|infeasible!? \(?or unbounded",
     capabilities=_ALL | Capability.START | Capability.NODES,
     version_argument="-quit", version_pattern=r"(?:Version:|CBC)\s+(devel|\d\S+)",

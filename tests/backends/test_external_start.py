@@ -5,14 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from support.outside import cbc_devel
+from support.outside import bundled_cbc, cbc_devel
 
 from stlc.backends import get
 from stlc.backends.base import SolveOptions
 from stlc.backends.command import run
 from stlc.backends.conformance import knapsack
 from stlc.backends.external import _write, external
-from stlc.backends.pulp_cbc import bundled_cbc
 from stlc.backends.templates import TEMPLATES, Files
 from stlc.solve.certify import certify
 

@@ -11,9 +11,10 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from support.link_kinds import KINDS, Kind, write_kind
+from support.outside import commands
 
 from stlc import backends
-from stlc.backends.base import Progress, SolveOptions
+from stlc.backends.base import Backend, Progress, SolveOptions
 from stlc.errors import InfeasibleError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.radio.partition import Partition
@@ -30,7 +31,9 @@ QUICK = (
     "only talk", "only hush", "talk to a station",
 )  # fmt: skip
 ASKED = [name for name in KINDS if FULL or name in QUICK or not KINDS[name].known]
-SOLVERS = ("mip", "pulp", "cvxpy", "scipy", "scip", "gurobi", "external-cbc", "external-glpsol")
+SOLVERS: dict[str, Backend] = {
+    name: backends.get(name) for name in ("mip", "pulp", "cvxpy", "scipy", "scip", "gurobi")
+} | commands()
 
 
 def _compiled(
@@ -45,12 +48,12 @@ def _compiled(
     raise AssertionError("no draw of this kind has a plan")
 
 
-def _agree(compiled: Compiled, backend: str = "highs") -> None:
+def _agree(compiled: Compiled, backend: Backend | None = None) -> None:
     """One optimum with the plain MILP, and no bound on the way above it."""
     seen: list[Progress] = []
     plain = backends.get("highs").solve(compiled.model, SolveOptions(gap=1e-6))
     options = SolveOptions(gap=1e-6, on_progress=seen.append)
-    found = solve_links(compiled, backends.get(backend), options)
+    found = solve_links(compiled, backend or backends.get("highs"), options)
     assert found is not None
     assert found.status is plain.status
     if plain.objective is None:
@@ -78,10 +81,10 @@ def test_one_optimum_for_every_table_encoding(link: str, tmp_path: Path) -> None
     _agree(_compiled(tmp_path, kind, 0, CompileOptions(link=link)))
 
 
-@pytest.mark.parametrize("backend", SOLVERS)
-def test_one_optimum_with_every_solver(backend: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_one_optimum_with_every_solver(solver: str, tmp_path: Path) -> None:
     kind = replace(KINDS["plain"], channels="channel radio { partition 3 x 3; {table} }", cells=9)
-    _agree(_compiled(tmp_path, replace(kind, steps=3), 0), backend)
+    _agree(_compiled(tmp_path, replace(kind, steps=3), 0), SOLVERS[solver])
 
 
 def test_negative_weights_given_by_program(tmp_path: Path) -> None:

@@ -6,12 +6,17 @@ hand; a `cbc` or `glpsol` on PATH is asked too.
 
 from __future__ import annotations
 
+import shlex
 import shutil
 import subprocess
+import sys
+import tempfile
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
+
+from stlc.backends.external import External, external
 
 _LIMIT = 120.0  # s
 
@@ -58,9 +63,9 @@ def _glpk(model: Path, solution: Path) -> None:
     glpk.glp_delete_prob(problem)
 
 
-def _glpsol(model: Path, solution: Path) -> None:
+def _glpsol(binary: str, model: Path, solution: Path) -> None:
     kind = "--lp" if model.suffix == ".lp" else "--freemps"
-    words = ["glpsol", kind, str(model), "--output", str(solution)]
+    words = [binary, kind, str(model), "--output", str(solution)]
     subprocess.run(words, check=True, capture_output=True, timeout=_LIMIT)
 
 
@@ -89,16 +94,49 @@ def cbc_devel() -> str:
     return str(Path(cbcbox.cbc_dist_dir()) / "bin" / "cbc")
 
 
-def solvers() -> dict[str, Outside]:
-    """By name."""
+@cache
+def _commands() -> tempfile.TemporaryDirectory[str]:
+    return tempfile.TemporaryDirectory(prefix="stlc-commands-")  # removed when Python ends
+
+
+@cache
+def glpsol() -> str:
+    """GLPK's command, from the library in swiglpk's wheel (`support/glpsol.py`)."""
+    command = Path(_commands().name, "glpsol")
+    words = shlex.join([sys.executable, str(Path(__file__).with_name("glpsol.py"))])
+    command.write_text(f'#!/bin/sh\nexec {words} "$@"\n')
+    command.chmod(0o755)
+    return str(command)
+
+
+def bundled_cbc() -> str:
+    """CBC 2.10, from PuLP's wheel."""
     from stlc.backends.pulp_cbc import bundled_cbc
 
-    found: dict[str, Outside] = {
+    return bundled_cbc()
+
+
+def _on_path() -> dict[str, str]:
+    found = {name: shutil.which(name) for name in ("cbc", "glpsol")}
+    return {name: path for name, path in found.items() if path is not None}
+
+
+def commands() -> dict[str, External]:
+    """Backends that run a command: those that wheels bring, then those on PATH."""
+    brought = {
+        "CBC 2.10": external("cbc", bundled_cbc()), "CBC devel": external("cbc", cbc_devel()),
+        "GLPK": external("glpsol", glpsol()),
+    }  # fmt: skip
+    return brought | {f"{name} on PATH": external(name, path) for name, path in _on_path().items()}
+
+
+def solvers() -> dict[str, Outside]:
+    """By name."""
+    brought: dict[str, Outside] = {
         "HiGHS": _highs, "CBC 2.10": partial(_cbc, bundled_cbc()),
         "CBC devel": partial(_cbc, cbc_devel()), "GLPK": _glpk, "SCIP": _scip,
+        "GLPK's command": partial(_glpsol, glpsol()),
     }  # fmt: skip
-    if (path := shutil.which("cbc")) is not None:
-        found["CBC on PATH"] = partial(_cbc, path)
-    if shutil.which("glpsol") is not None:
-        found["glpsol on PATH"] = _glpsol
-    return found
+    runs = {"cbc": _cbc, "glpsol": _glpsol}
+    found = _on_path().items()
+    return brought | {f"{name} on PATH": partial(runs[name], path) for name, path in found}

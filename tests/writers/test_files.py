@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.outside import bundled_cbc, cbc_devel
 
 from stlc.backends import get
 from stlc.backends.base import SolveOptions, Status
-from stlc.backends.pulp_cbc import bundled_cbc
 from stlc.errors import OutputError, UsageError
 from stlc.milp.builder import ModelBuilder
 from stlc.milp.model import Model, Origin
@@ -162,7 +162,7 @@ def test_every_reader_finds_the_same_optimum(tmp_path: Path, suffix: str) -> Non
     expected = _optimum(model)
     found = {
         "HiGHS": _highs_file(path), "SCIP": _scip_file(path), "GLPK": _glpk_file(path),
-        "CBC 2.10": _cbc_file(bundled_cbc(), path), "CBC devel": _cbc_file(_cbcbox(), path),
+        "CBC 2.10": _cbc_file(bundled_cbc(), path), "CBC devel": _cbc_file(cbc_devel(), path),
         "Gurobi": _gurobi_file(path),
     }  # fmt: skip
     assert found == pytest.approx(dict.fromkeys(found, expected), abs=1e-6)
@@ -233,12 +233,6 @@ def _glpk_file(path: Path) -> float:
     import swiglpk as glpk
 
     return float(glpk.glp_mip_obj_val(_glpk_solved(path)))
-
-
-def _cbcbox() -> str:
-    import cbcbox
-
-    return str(Path(cbcbox.cbc_dist_dir()) / "bin" / "cbc")
 
 
 def _cbc_file(binary: str, path: Path) -> float:

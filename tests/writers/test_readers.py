@@ -55,6 +55,7 @@ NONE = {
     "highs": "Model status\nInfeasible\n\n# Primal solution values\nNone\n\n# Dual\nNone\n",
     "cbc": "Infeasible - objective value 0\n 0 x_0 1 0\n",
     "cbc at its limit": "Stopped on time (no integer solution - continuous used) - objective\n",
+    "cbc that presolved it away": "Status unknown - objective value 0\n 0 x_0 0 0\n",
     "scip": "no solution available\n",
     "glpk": "c Problem: m\ns mip 1 3 u 0\nj 1 0\n",
     "glpk printed": "Problem:    m\nStatus:     INTEGER UNDEFINED\n",

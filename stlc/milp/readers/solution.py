@@ -131,7 +131,7 @@ def _find(lines: list[Line], pattern: str) -> int:
 
 def _cbc(lines: list[Line], names: Sequence[str]) -> Pairs:
     head = lines[0].text
-    if re.search(r"[Ii]nfeasible|[Uu]nbounded|no integer solution", head):
+    if re.search(r"[Ii]nfeasible|[Uu]nbounded|no integer solution|Status unknown", head):
         raise NoPlanError(f"{lines[0].file}: CBC says '{head.strip()}'")
     known = set(names) | {CONSTANT}
     for line in lines[1:]:
