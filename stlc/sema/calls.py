@@ -209,7 +209,8 @@ def _function(compute: Callable[[float], float]) -> Builtin:
         if not x.is_constant:
             raise Mistake(_not_linear(expr))
         try:
-            return Scalar(scalars.finite(compute(x.constant), expr.span), unit=_plain(x.unit))
+            value = scalars.finite(compute(x.constant), expr.span)
+            return Scalar(value, unit=_plain(x.unit), index=x.index)
         except (ValueError, OverflowError):
             raise Mistake(
                 WrongKind(span=expr.span, expected="a value in its domain", found=str(x.constant))

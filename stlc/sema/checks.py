@@ -126,11 +126,11 @@ def _requirements(mission: Mission, scope: Scope) -> None:
 
 
 def _never(item: Requirement, best: float) -> NeverTrue:
-    return NeverTrue(span=item.span, name=item.name, best=best, margin=item.margin)
+    return NeverTrue(span=item.span, name=item.name, best=best + 0.0, margin=item.margin)
 
 
 def _always(item: Requirement, worst: float) -> AlwaysTrue:
-    return AlwaysTrue(span=item.span, name=item.name, worst=worst, margin=item.margin)
+    return AlwaysTrue(span=item.span, name=item.name, worst=worst + 0.0, margin=item.margin)
 
 
 def _from_start(item: Requirement, best: float, scope: Scope) -> None:

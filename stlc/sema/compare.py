@@ -2,12 +2,16 @@
 
 With r + c max_i e_i >= 0 and c > 0 some piece holds, with c < 0 every piece: so each fold becomes
 a disjunction or a conjunction, and robustness is exact because a sum commutes with max and min.
+Numbers are compared like signals: the robustness of `5 >= 3` is 2. Only a comparison of indices
+(what a quantifier's variable stands for) is true or false: it says which instance is meant.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import cos, pi
+from operator import eq, ge, gt, le, lt, ne
 from typing import Literal
 
 from stlc.ir.nodes import (
@@ -36,9 +40,21 @@ MOST_PIECES = 4096
 Operator = Literal["<", "<=", ">", ">=", "==", "!="]
 
 
+_RELATIONS: dict[Operator, Callable[[float, float], bool]] = {
+    "<": lt, "<=": le, ">": gt, ">=": ge, "==": eq, "!=": ne,
+}  # fmt: skip
+
+
+def is_condition(left: Scalar, right: Scalar) -> bool:
+    """Whether comparing them tells instances of a quantifier apart, not runs."""
+    return left.is_constant and right.is_constant and (left.index or right.index)
+
+
 def compare(left: Scalar, operator: Operator, right: Scalar, span: Span, positive: bool) -> Node:
     """`left operator right`; strict and non-strict are one. Raises Mistake."""
     left, right = _level_units(left, right, span)
+    if is_condition(left, right):
+        return Const(_RELATIONS[operator](left.constant, right.constant), span=span)
     match operator:
         case ">" | ">=":
             return at_least_zero(_difference(left, right, span), span, positive)
@@ -122,8 +138,6 @@ def _join(kind: type[And] | type[Or], parts: tuple[Node, ...], span: Span) -> No
 
 
 def _leaf(scalar: Scalar, span: Span) -> Node:
-    if not scalar.terms:
-        return Const(scalar.constant >= 0.0, span=span)
     links = [(a, c) for a, c in scalar.terms if isinstance(a, LinkAtom)]
     if links:
         return _link(scalar, links, span)

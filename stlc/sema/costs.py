@@ -41,8 +41,9 @@ def is_cost(expr: ast.Expr, env: Env, scope: Scope) -> bool:
             return is_cost(base, env, scope)
         case ast.Negate(arg=arg):
             return is_cost(arg, env, scope)
-        case ast.Arithmetic(left=left, right=right):
-            return is_cost(right, env, scope) or is_cost(left, env, scope)
+        case ast.Arithmetic(spine=chain):
+            operands = (chain[0].left, *(link.right for link in chain))
+            return any(is_cost(operand, env, scope) for operand in operands)
         case ast.Quantifier(kind="sum", body=body):
             return is_cost(body, env, scope)
     return False

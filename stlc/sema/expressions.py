@@ -140,11 +140,9 @@ def plain_let(found: ast.Let, expr: ast.Name, env: Env, scope: Scope) -> Value:
 
 def arithmetic(expr: ast.Arithmetic, env: Env, scope: Scope) -> Scalar:
     """A chain of operations, from the left; long chains don't nest."""
-    chain: list[ast.Arithmetic] = [expr]
-    while isinstance(chain[-1].left, ast.Arithmetic):
-        chain.append(chain[-1].left)
-    total = scope.scalar(chain[-1].left, env)
-    for link in reversed(chain):
+    chain = expr.spine
+    total = scope.scalar(chain[0].left, env)
+    for link in chain:
         total = operation(link, total, scope.scalar(link.right, env))
     return total
 

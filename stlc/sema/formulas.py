@@ -21,7 +21,7 @@ from stlc.ir.nodes import (
 )
 from stlc.record import changed
 from stlc.sema import clock, links
-from stlc.sema.compare import Operator, at_least_zero, compare, is_integer
+from stlc.sema.compare import Operator, at_least_zero, compare, is_condition, is_integer
 from stlc.sema.membership import membership
 from stlc.sema.name_errors import NotNegatable, TooManyPieces, WrongKind
 from stlc.sema.quantifiers import assignments, bound_with
@@ -217,13 +217,13 @@ def _same_thing(left: Radio | Place, operator: Operator, right: Radio | Place, s
 
 def unequal(left: Scalar, right: Scalar, span: Span, env: Env, scope: Scope) -> Node:
     """|a - b| >= 1 for integers; otherwise |a - b| >= 0, which needs a margin to mean something."""
+    if is_condition(left, right):
+        return compare(left, "!=", right, span, env.positive)
     difference = add(left, right, span, sign=-1.0)
     integer = frozenset(n for n, a in scope.agents.items() if a.integer_inputs)
-    if not difference.is_constant and is_integer(difference, integer):
+    if is_integer(difference, integer):
         apart = add(absolute(difference, span), Scalar(1.0), span, sign=-1.0)
         return at_least_zero(apart, span, env.positive)
-    if difference.is_constant:
-        return Const(difference.constant != 0.0, span=span)
     if env.margin <= 0.0:
         scope.report.add(EmptyInequality(span=span))
     return compare(left, "!=", right, span, env.positive)

@@ -26,19 +26,17 @@ def objective(statement: ast.Objective, scope: Scope) -> list[ObjectiveTerm]:
 def _collect(
     expr: ast.Expr, weight: float, env: Env, scope: Scope, terms: list[ObjectiveTerm]
 ) -> None:
+    first, added = _summands(expr)
+    if added:
+        _collect(first, weight, env, scope, terms)
+        for link in added:
+            sign = 1.0 if link.operator == "+" else -1.0
+            _collect(link.right, sign * weight, env, scope, terms)
+        return
+    expr, weight = _factored(expr, weight, env, scope)
     match expr:
-        case ast.Arithmetic(operator="+" | "-", left=left, right=right):
-            _collect(left, weight, env, scope, terms)
-            sign = 1.0 if expr.operator == "+" else -1.0
-            _collect(right, sign * weight, env, scope, terms)
-        case ast.Arithmetic(operator="*", left=left, right=right):
-            cost, factor = (left, right) if is_cost(left, env, scope) else (right, left)
-            _collect(cost, weight * _factor(factor, env, scope), env, scope, terms)
-        case ast.Arithmetic(operator="/", left=left, right=right):
-            divisor = _factor(right, env, scope)
-            if divisor == 0.0:
-                raise Mistake(BadObjective(span=right.span, problem="a cost is divided by zero"))
-            _collect(left, weight / divisor, env, scope, terms)
+        case ast.Arithmetic(operator="+" | "-"):
+            _collect(expr, weight, env, scope, terms)
         case ast.Negate(arg=arg):
             _collect(arg, -weight, env, scope, terms)
         case ast.Quantifier(kind="sum"):
@@ -51,6 +49,30 @@ def _collect(
                 _collect(let.body, weight, EMPTY, scope, terms)
         case _:
             terms.append(_checked(cost_term(expr, weight, env, scope), expr))
+
+
+def _summands(expr: ast.Expr) -> tuple[ast.Expr, list[ast.Arithmetic]]:
+    """The first summand of a flat sum, and what is added to it and subtracted, in order."""
+    added: list[ast.Arithmetic] = []
+    while isinstance(expr, ast.Arithmetic) and expr.operator in ("+", "-"):
+        added.append(expr)
+        expr = expr.left
+    return expr, added[::-1]
+
+
+def _factored(expr: ast.Expr, weight: float, env: Env, scope: Scope) -> tuple[ast.Expr, float]:
+    """The cost of a flat product, and the weight with its factors."""
+    while isinstance(expr, ast.Arithmetic) and expr.operator in ("*", "/"):
+        left, right = expr.left, expr.right
+        if expr.operator == "*":
+            expr, factor = (left, right) if is_cost(left, env, scope) else (right, left)
+            weight *= _factor(factor, env, scope)
+            continue
+        divisor = _factor(right, env, scope)
+        if divisor == 0.0:
+            raise Mistake(BadObjective(span=right.span, problem="a cost is divided by zero"))
+        expr, weight = left, weight / divisor
+    return expr, weight
 
 
 def _is_let(expr: ast.Name, env: Env, scope: Scope) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from stlc.sema.name_errors import EmptyDomain, TooManyPieces, WrongKind
 from stlc.sema.report import Mistake, Reported
@@ -19,9 +20,16 @@ def assignments(expr: ast.Quantifier, env: Env, scope: Scope) -> list[Mapping[st
     domain = domain_items(expr.domain, env, scope)
     names = [v.text for v in expr.variables]
     if len(names) == 1:
-        return [{names[0]: item} for item in domain.items]
-    return [dict(zip(names, _parts(item, names, expr.domain.span), strict=True))
-            for item in domain.items]  # fmt: skip
+        return [{names[0]: _index(item)} for item in domain.items]
+    members = (_parts(item, names, expr.domain.span) for item in domain.items)
+    return [dict(zip(names, map(_index, parts), strict=True)) for parts in members]
+
+
+def _index(item: Value) -> Value:
+    """A number of a domain tells which instance is meant."""
+    if isinstance(item, Scalar) and item.is_constant:
+        return replace(item, index=True)
+    return item
 
 
 def _parts(item: Value, names: list[str], span: Span) -> tuple[Value, ...]:

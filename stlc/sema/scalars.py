@@ -24,7 +24,7 @@ def add(a: Scalar, b: Scalar, span: Span, sign: float = 1.0) -> Scalar:
     unit = _sum_unit(a.unit, b.unit, span, sign)
     total = finite(a.constant + sign * b.constant, span)
     if a.is_constant and b.is_constant:
-        return Scalar(total, unit=unit)
+        return Scalar(total, unit=unit, index=a.index or b.index)
     return Scalar(total, _merge(a, b, sign), a.folds + _times_folds(b.folds, sign), unit)
 
 
@@ -75,9 +75,10 @@ def negate(a: Scalar, span: Span, literal: bool = False) -> Scalar:
 def scale(a: Scalar, factor: float, unit: Unit | None) -> Scalar:
     """factor * a, in the given unit."""
     if factor == 0.0:
-        return Scalar(0.0, unit=unit)
+        return Scalar(0.0, unit=unit, index=a.index)
     terms = tuple((k, v * factor) for k, v in a.terms)
-    return Scalar(a.constant * factor, terms, _times_folds(a.folds, factor), unit)
+    folds = _times_folds(a.folds, factor)
+    return Scalar(a.constant * factor, terms, folds, unit, a.index)
 
 
 def ahead(a: Scalar, steps: int) -> Scalar:
@@ -95,7 +96,9 @@ def multiply(a: Scalar, b: Scalar, span: Span) -> Scalar:
         raise Mistake(Nonlinear(span=span, what="a product of two signals", hint=hint))
     factor, rest = (a, b) if a.is_constant else (b, a)
     finite(factor.constant * rest.constant, span)
-    return scale(rest, factor.constant, unit)
+    product = scale(rest, factor.constant, unit)
+    index = rest.is_constant and (a.index or b.index)
+    return replace(product, index=index)
 
 
 def _product_unit(a: Unit | None, b: Unit | None, span: Span) -> Unit | None:
@@ -117,7 +120,8 @@ def divide(a: Scalar, b: Scalar, span: Span) -> Scalar:
     if b.unit is not None and b.unit.level:
         raise Mistake(LevelProduct(span=span))
     finite(a.constant / b.constant, span)
-    return scale(a, 1.0 / b.constant, _product_unit(a.unit, inverse, span))
+    quotient = scale(a, 1.0 / b.constant, _product_unit(a.unit, inverse, span))
+    return replace(quotient, index=a.is_constant and (a.index or b.index))
 
 
 def raise_to(a: Scalar, b: Scalar, span: Span) -> Scalar:
@@ -131,7 +135,8 @@ def raise_to(a: Scalar, b: Scalar, span: Span) -> Scalar:
         raise Mistake(DivisionByZero(span=span)) from None
     if isinstance(value, complex):
         raise Mistake(DivisionByZero(span=span))
-    return Scalar(finite(float(value), span), unit=_power_unit(a.unit, b.constant, span))
+    unit = _power_unit(a.unit, b.constant, span)
+    return Scalar(finite(float(value), span), unit=unit, index=a.index or b.index)
 
 
 def _power_unit(a: Unit | None, exponent: float, span: Span) -> Unit | None:
@@ -174,7 +179,8 @@ def _extreme(kind: FoldKind, items: tuple[Scalar, ...], span: Span) -> Scalar:
     unit = same_unit(items, span)
     if all(s.is_constant for s in items):
         pick = max if kind is FoldKind.MAX else min
-        return Scalar(pick(s.constant for s in items), unit=unit)
+        index = any(s.index for s in items)
+        return Scalar(pick(s.constant for s in items), unit=unit, index=index)
     if len(items) == 1:
         return items[0]
     return Scalar(folds=((Fold(kind, items), 1.0),), unit=unit)
@@ -185,5 +191,5 @@ def absolute(a: Scalar, span: Span) -> Scalar:
     if a.unit is not None and a.unit.level:
         raise Mistake(LevelProduct(span=span))
     if a.is_constant:
-        return Scalar(abs(a.constant), unit=a.unit)
+        return Scalar(abs(a.constant), unit=a.unit, index=a.index)
     return maximum((a, scale(a, -1.0, a.unit)), span)

@@ -44,12 +44,16 @@ class Fold:
 
 @dataclass(frozen=True, slots=True)
 class Scalar:
-    """constant + terms + folds. `unit` None is a bare number, which takes any unit it meets."""
+    """constant + terms + folds. `unit` None is a bare number, which takes any unit it meets.
+
+    `index`: a number that a quantifier's variable stands for, or one computed from it.
+    """
 
     constant: float = 0.0
     terms: tuple[tuple[Atom, float], ...] = ()
     folds: tuple[tuple[Fold, float], ...] = ()
     unit: Unit | None = None
+    index: bool = False
 
     @property
     def is_constant(self) -> bool:
@@ -132,11 +136,17 @@ class ChannelName:
     name: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Function:
-    """A parametrised `let`."""
+    """A parametrised `let`; the same one when it is the same statement."""
 
     let: ast.Let
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Function) and self.let is other.let
+
+    def __hash__(self) -> int:
+        return id(self.let)
 
 
 Value = (

@@ -8,9 +8,11 @@ from functools import cache
 from typing import Any, Final, Protocol
 
 from stlc.grammar import Rule, Tables, tables
+from stlc.syntax.nodes import Arithmetic
 from stlc.syntax.tokens import Token
 
 MAX_DEPTH: Final = 200  # levels of the tree, so that every later stage may recurse
+_CHAINS: Final = frozenset({"add", "subtract", "multiply", "divide"})  # walked without recursion
 
 Builder = Callable[[int, int, list[Any]], Any]
 
@@ -101,6 +103,8 @@ class _Stack:
         start = starts[base]
         depth = depths[base] if rule.size == 1 else max(depths[base:])
         if rule.callback is not None:
+            if rule.callback in _CHAINS and isinstance(values[base], Arithmetic):
+                depth = max(depths[base] - 1, *depths[base + 1 :])  # `a + b + c` is no deeper
             value = builders[rule.callback](start, end, children)
             depth += 1
         else:

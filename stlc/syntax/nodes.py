@@ -96,11 +96,19 @@ class Negate(Expr):
 
 
 class Arithmetic(Expr):
-    """`+ - * / ^`."""
+    """`+ - * / ^`. A flat chain `a + b - c` leans to the left, to any depth: walk its `spine`."""
 
     operator: Literal["+", "-", "*", "/", "^"]
     left: Expr
     right: Expr
+
+    @property
+    def spine(self) -> list[Arithmetic]:
+        """This node and the operations down its left side, innermost first."""
+        chain = [self]
+        while isinstance(chain[-1].left, Arithmetic):
+            chain.append(chain[-1].left)
+        return chain[::-1]
 
 
 class Comparison(Expr):

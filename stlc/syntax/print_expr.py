@@ -134,12 +134,26 @@ def _attribute_base(node: ast.Expr) -> str:
 
 
 def _arithmetic(node: ast.Arithmetic) -> str:
-    own = level(node)
     if node.operator == "^":
         plain = not isinstance(node.left, ast.Number) or node.left.unit is None
         base = _at(node.left, _POSTFIX) if plain else f"({show(node.left)})"
         return f"{base}^{_at(node.right, _SIGNED)}"
-    return f"{_at(node.left, own)} {node.operator} {_at(node.right, own + 1)}"
+    return _chain(node.spine)
+
+
+def _chain(links: list[ast.Arithmetic]) -> str:
+    """Operations from the left; brackets that open before the first operand are counted."""
+    powers = [k for k, link in enumerate(links) if link.operator == "^"]
+    links = links[powers[-1] + 1 :] if powers else links
+    opened, inner = 0, links[0].left
+    parts = [_at(inner, level(links[0]))]
+    for link in links:
+        if link is not links[0] and level(inner) < level(link):
+            opened += 1
+            parts.append(")")
+        parts.append(f" {link.operator} {_at(link.right, level(link) + 1)}")
+        inner = link
+    return "(" * opened + "".join(parts)
 
 
 def _comparison(node: ast.Comparison) -> str:

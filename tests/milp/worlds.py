@@ -99,7 +99,7 @@ def most_robust(scales: dict[str, float] | None = None) -> tuple[ObjectiveTerm, 
 
 
 def atoms(agents: tuple[Agent, ...]) -> st.SearchStrategy[Node]:
-    """Predicates over one or two signals, thresholds between the reachable values."""
+    """Predicates over up to two signals, thresholds between the reachable values."""
     signals = [
         Signal(a.name, role, k, shift)
         for a in agents
@@ -108,9 +108,7 @@ def atoms(agents: tuple[Agent, ...]) -> st.SearchStrategy[Node]:
         for shift in (0, 1)
         if role is Role.STATE or shift == 0
     ]
-    terms = st.dictionaries(
-        st.sampled_from(signals), st.sampled_from([-1.0, 1.0, 2.0]), min_size=1, max_size=2
-    )
+    terms = st.dictionaries(st.sampled_from(signals), st.sampled_from([-1.0, 1.0, 2.0]), max_size=2)
     levels = st.integers(-9, 9).map(lambda k: k / 3)
     return st.builds(
         lambda t, c: Linear(tuple(sorted(t.items(), key=lambda p: p[0].key)), c), terms, levels

@@ -7,10 +7,13 @@ from pathlib import Path
 import pytest
 
 from stlc.errors import MissionError, UsageError
+from stlc.mission import Mission
 from stlc.source import Source
+from stlc.syntax.compare import same_syntax
 from stlc.syntax.lalr import MAX_DEPTH
 from stlc.syntax.parse import MAX_MISTAKES, parse
 from stlc.syntax.print_expr import show
+from stlc.syntax.printer import format_file
 from stlc.syntax.read import decode, read_source
 from stlc.syntax.screen import MAX_FILE
 
@@ -24,7 +27,7 @@ def codes(text: str) -> list[str]:
 @pytest.mark.parametrize(
     "text",
     ["(" * 50_000 + "x" + ")" * 50_000, "[" * 50_000, "not " * 50_000 + "x", "-" * 50_000 + "x",
-     "x" + " + x" * 50_000 + " > 0", "p" + " -> p" * 50_000, "{" * 50_000, "f(" * 50_000],
+     "p" + " -> p" * 50_000, "{" * 50_000, "f(" * 50_000],
 )  # fmt: skip
 def test_deep_nesting_is_a_located_error(text: str) -> None:
     assert codes(f"require a: {text}\nrequire b: x > 0") == ["E0106"]
@@ -86,3 +89,28 @@ def test_a_file_that_is_not_there_is_a_usage_error(tmp_path: Path) -> None:
         read_source(tmp_path)
     with pytest.raises(UsageError):
         read_source("a\0b")
+
+
+@pytest.mark.parametrize("operator", ["+", "-", "*", "/"])
+def test_a_flat_chain_of_operations_does_not_nest(operator):
+    text = f"horizon 3\nsignal a\nrequire r: always a{f' {operator} 2' * 5000} >= 1\n"
+    if operator in "*/":
+        text = text.replace(" 2", " 1")
+    again = format_file(parse(Source("x", text)).file)
+    assert same_syntax(parse(Source("x", text)).file, parse(Source("x", again)).file)
+    assert Mission.from_text(text).requirements
+
+
+def test_a_flat_objective_does_not_nest():
+    head = "horizon 3\nagent r : single_integrator { start (0, 0); control |u| <= 1 }\n"
+    mission = Mission.from_text(head + f"minimize {' + '.join(['effort * 1 * 2 / 2'] * 2000)}\n")
+    assert sum(t.weight for t in mission.objective) == 2000
+    assert Mission.from_text(head + f"minimize effort{' * 1' * 2000}\n").objective
+
+
+def test_brackets_in_a_chain_still_nest():
+    text = "require r: " + "(a + " * 300 + "a" + ")" * 300 + " >= 1\n"
+    found = parse(Source("x", text)).diagnostics
+    assert [d.code for d in found] == ["E0106"]
+    left = "require r: " + "(" * 300 + "a" + " + a)" * 300 + " >= 1\n"
+    assert [d.code for d in parse(Source("x", left)).diagnostics] == ["E0106"]

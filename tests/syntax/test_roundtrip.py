@@ -6,6 +6,7 @@ from collections.abc import Callable
 from random import Random
 from typing import Any
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -220,3 +221,18 @@ def test_formatting_keeps_meaning_and_comments_and_is_idempotent(seed: int, size
     assert len(before.file.comments) == len(after.file.comments)
     assert format_file(after.file) == once
     assert not [d for d in after.diagnostics if d.code == "W0101"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "(a + b) * c - d",
+        "(a + b)^2 + c - d",
+        "a - (b + c) - d",
+        "((a - b) / c + d) * e",
+        "a * b^2 * c",
+    ],
+)
+def test_chains_keep_their_brackets(text):
+    source = Source("x", f"require r: {text} >= 1\n")
+    assert format_file(parse(source).file) == f"require r: {text} >= 1\n"
