@@ -19,9 +19,10 @@ from numpy.typing import NDArray
 from stlc.errors import StlcError
 from stlc.ir.nodes import Link, Quantity, Relation
 from stlc.mission import Bound, Channel, Mission, TermKind
+from stlc.radio.averages import average_bounds
 from stlc.radio.costs import CLAMP, CostName, cost_interval, link_cost
 from stlc.radio.gp import ChannelModel
-from stlc.radio.links import LinkBudget, average_bounds
+from stlc.radio.links import LinkBudget
 from stlc.radio.partition import Partition
 from stlc.radio.predicates import LinkPredicate, quantity_value, threshold_table
 from stlc.radio.predicates import Quantity as RadioQuantity

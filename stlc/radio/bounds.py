@@ -244,6 +244,7 @@ def _sub_bounds(field: PairField, left: Ends, right: Ends, ask: _Ask) -> list[Ar
     if not field.centres:
         sigma = np.full_like(near, np.sqrt(model.shadowing + extra))
         centre = path_loss_mean(at, model.l0, model.exponent, model.d0) - z * sigma
+        low, high = low - SLACK, high + SLACK
         return [low, high, sigma, sigma, low - z * sigma, high - z * sigma, centre]
     overlap = [1.0 + np.exp(-((d / model.length) ** 2)) for d in (far, near, at)]
     scale = [1.0 / np.sqrt(g) for g in (overlap[1], overlap[0], overlap[2])]

@@ -14,8 +14,9 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
+from stlc.radio.averages import average, average_bounds
 from stlc.radio.errors import RadioError
-from stlc.radio.links import LinkBudget, average, average_bounds, q_function
+from stlc.radio.links import LinkBudget, q_function
 
 Array = NDArray[np.float64]
 

@@ -6,11 +6,10 @@ Digital Communications; IEEE Std 802.15.4-2006, annex E.4.1.8.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import lru_cache
-from math import comb, log, log10, sqrt
+from math import comb, log, log10
 from typing import assert_never
 
 import numpy as np
@@ -21,7 +20,6 @@ from stlc.radio.errors import RadioError
 Array = NDArray[np.float64]
 
 THERMAL_NOISE_DBM_HZ = -174.0
-HERMITE_NODES = 32
 
 
 class Modulation(StrEnum):
@@ -200,44 +198,3 @@ def check_fading(modulation: Modulation | None, fading: float) -> None:
             f"variance of {fading:g} dB^2: use one of them (fading 0 dB^2, or "
             f"{modulation.value.removeprefix('rayleigh_')})"
         )
-
-
-@lru_cache(maxsize=8)
-def _hermite(nodes: int) -> tuple[Array, Array]:
-    x, w = np.polynomial.hermite.hermgauss(nodes)
-    return np.asarray(sqrt(2.0) * x), np.asarray(w / w.sum())
-
-
-def average_bounds(
-    curve: Callable[[Array], Array],
-    mean: tuple[Array, Array],
-    sigma: tuple[Array, Array],
-    decreasing: bool,
-    nodes: int = HERMITE_NODES,
-) -> tuple[Array, Array]:
-    """Bounds of E[curve(mu + sigma xi)] for mu, sigma in intervals (lower, upper) each.
-
-    `curve` is monotone in dBm; xi is standard normal, the mean taken by Gauss-Hermite. Every
-    node is moved to its own worst end, so the interval is rigorous for the quadrature.
-    """
-    x, w = _hermite(nodes)
-    low = np.zeros(np.broadcast(mean[0], sigma[0]).shape)
-    high = np.zeros_like(low)
-    for node, weight in zip(x, w, strict=True):
-        weak, strong = (sigma[1], sigma[0]) if node < 0 else (sigma[0], sigma[1])
-        least = curve(mean[0] + weak * node)
-        most = curve(mean[1] + strong * node)
-        low += weight * (most if decreasing else least)
-        high += weight * (least if decreasing else most)
-    return low, high
-
-
-def average(
-    curve: Callable[[Array], Array], mean: Array, sigma: Array, nodes: int = HERMITE_NODES
-) -> Array:
-    """E[curve(mu + sigma xi)], xi standard normal, by Gauss-Hermite; mean [dBm], sigma [dB]."""
-    x, w = _hermite(nodes)
-    total = np.zeros(np.broadcast(mean, sigma).shape)
-    for node, weight in zip(x, w, strict=True):
-        total += weight * curve(mean + sigma * node)
-    return total

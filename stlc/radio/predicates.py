@@ -4,7 +4,7 @@
 |------------|---------------------------------------------------|-------|
 | rssi       | posterior mean [dBm]                              | -     |
 | snr        | posterior mean - noise floor [dB]                 | -     |
-| ber        | BER averaged over the posterior (Gauss-Hermite)   | one packet's |
+| ber        | BER averaged over the posterior   | one packet's |
 | ber_at_mean| BER at the posterior mean                         | -     |
 | prr        | packet reception averaged over the posterior      | one packet's |
 | chance     | mean - z_p sigma [dBm]: P(rssi >= g) >= p <=> value >= g | one packet's |
@@ -19,10 +19,11 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
+from stlc.radio.averages import average, average_bounds
 from stlc.radio.bounds import EVERYWHERE
 from stlc.radio.errors import RadioError
 from stlc.radio.gp import ChannelModel
-from stlc.radio.links import LinkBudget, average, average_bounds, check_fading, z_quantile
+from stlc.radio.links import LinkBudget, check_fading, z_quantile
 from stlc.radio.table import BoundName, LinkEnds, LinkTable, bound_ends, make_table, tabulate
 
 Array = NDArray[np.float64]

@@ -159,7 +159,7 @@ def _signal(channel: Channel, pair: Pair, true: TrueModel) -> dict[str, Array]:
     budget = channel.budget
     if budget is None:
         return values
-    from stlc.radio.links import average
+    from stlc.radio.averages import average
 
     values["snr"] = budget.snr(found.mean)
     if budget.modulation is not None:

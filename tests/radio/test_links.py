@@ -1,13 +1,12 @@
 import numpy as np
 import pytest
 
+from stlc.radio.averages import average, average_bounds
 from stlc.radio.costs import CLAMP, CostName, cost_interval, link_cost, normalised
 from stlc.radio.errors import RadioError
 from stlc.radio.links import (
     LinkBudget,
     Modulation,
-    average,
-    average_bounds,
     bit_error_rate,
     check_fading,
     noise_floor_dbm,
