@@ -75,7 +75,8 @@ def _parameters(fit: FitReport) -> str:
     model = fit.model
     return (
         f"L0 {model.l0:.2f} dBm, n {model.exponent:.2f}, fading {model.fading:.2f} dB^2, "
-        f"shadowing {model.shadowing:.2f} dB^2, length {model.length:.2f} m"
+        f"deviation {model.deviation:.2f} dB^2, shadowing {model.shadowing:.2f} dB^2, "
+        f"length {model.length:.2f} m"
     )
 
 

@@ -240,7 +240,7 @@ def _sub_bounds(field: PairField, left: Ends, right: Ends, ask: _Ask) -> list[Ar
     near, at, far = distances(left.boxes, right.boxes)
     ends = (far, near) if model.exponent >= 0 else (near, far)
     low, high = (path_loss_mean(d, model.l0, model.exponent, model.d0) for d in ends)
-    extra, z = (model.fading if ask.fading else 0.0), ask.z
+    extra, z = model.own_variance(ask.fading), ask.z
     if not field.centres:
         sigma = np.full_like(near, np.sqrt(model.shadowing + extra))
         centre = path_loss_mean(at, model.l0, model.exponent, model.d0) - z * sigma

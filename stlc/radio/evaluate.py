@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stlc.radio.errors import FitError
+from stlc.radio.evidence import Evidence
 from stlc.radio.gp import ChannelModel
 from stlc.radio.likelihood import make_blocks
-from stlc.radio.nearest import Evidence
 from stlc.radio.posterior import exact_posterior
 from stlc.radio.samples import Samples, merge
 from stlc.radio.tobit import mills

@@ -2,6 +2,11 @@
 
 RSSI(y) ~ GP(m(y) + C_yT (C_T + sigma_F^2 I)^-1 (z_T - m(Y_T)),
              C_y - C_yT (C_T + sigma_F^2 I)^-1 C_Ty + sigma_F^2)     (paper, eq. (3))
+
+One addition: each link has a deviation of its own, of variance sigma_L^2, that all its samples
+share. It keeps repeats and the two directions of one link from passing for independent
+evidence: on n samples of a link sigma_F^2 becomes sigma_L^2 + sigma_F^2 / n. A link that is asked
+for counts as a new one, so its variance has sigma_L^2 in it, and for one packet sigma_F^2 too.
 """
 
 from __future__ import annotations
@@ -12,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stlc.radio.errors import KernelError, RadioError
+from stlc.radio.evidence import Evidence, by_link
 from stlc.radio.kernel import KernelName, check_covariance, correlation
 from stlc.radio.pathloss import link_distance, path_loss_mean
 from stlc.radio.posterior import (
@@ -22,7 +28,7 @@ from stlc.radio.posterior import (
     exact_posterior,
     inducing_posterior,
 )
-from stlc.radio.samples import Samples, merge
+from stlc.radio.samples import Samples, link_numbers, merge
 
 Array = NDArray[np.float64]
 
@@ -39,6 +45,7 @@ class ChannelModel:
     l0          received strength [dBm] at 1 m by the path-loss law
     exponent    path-loss exponent n [-]
     fading      sigma_F^2 [dB^2], independent from packet to packet
+    deviation   sigma_L^2 [dB^2], independent from link to link, shared by a link's packets
     shadowing   sigma_k^2 [dB^2], variance of the spatial process
     length      correlation length of the shadowing [m]
     d0          distance [m] below which the path loss stays constant
@@ -56,17 +63,23 @@ class ChannelModel:
     kernel: KernelName = KernelName.SYMMETRISED
     offsets: tuple[tuple[str, float], ...] = ()
     posterior: Posterior | None = None
+    deviation: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("l0", "exponent"):
             if not np.isfinite(getattr(self, name)):
                 raise RadioError(f"channel: {name} must be finite")
-        for name in ("fading", "shadowing"):
+        for name in ("fading", "shadowing", "deviation"):
             if not (np.isfinite(getattr(self, name)) and getattr(self, name) >= 0):
                 raise RadioError(f"channel: {name} is a variance [dB^2], finite and >= 0")
         for name in ("length", "d0"):
             if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0):
                 raise RadioError(f"channel: {name} is a distance [m], finite and > 0")
+
+    def own_variance(self, fading: bool) -> float:
+        """What no sample of another link explains [dB^2]: the link's deviation, and fading for
+        one packet."""
+        return self.deviation + (self.fading if fading else 0.0)
 
     def mean(self, links: Array, receiver: str | None = None) -> Array:
         """Path-loss mean m(y) (K,) [dBm] of links (K, 2 D) [m]."""
@@ -99,7 +112,7 @@ class ChannelModel:
                 gain, drop = self._update(links[rows], self.posterior)
                 mean[rows] += gain
                 variance[rows] -= drop
-        return mean, self.checked_variance(variance) + (self.fading if fading else 0.0)
+        return mean, self.checked_variance(variance) + self.own_variance(fading)
 
     def checked_variance(self, variance: Array) -> Array:
         """`variance` with rounding removed; KernelError when it is truly negative."""
@@ -121,13 +134,17 @@ class ChannelModel:
         return self.shadowing * correlation(links, links, self.length, self.kernel)
 
     def sample_prior(self, links: Array, rng: np.random.Generator) -> Array:
-        """One joint draw (K,) [dBm], shadowing and fading, from the prior (seeded by `rng`)."""
+        """One joint draw (K,) [dBm] of shadowing, deviations and fading from the prior (seeded
+        by `rng`); equal links share all but their fading."""
         matrix = self.covariance(links)
         matrix[np.diag_indices_from(matrix)] += JITTER * max(self.shadowing, 1e-12)
         lower = cholesky(matrix, "the prior covariance")
-        shadow = lower @ rng.standard_normal(len(links))
-        packet = np.sqrt(self.fading) * rng.standard_normal(len(links))
-        return np.asarray(self.mean(links) + shadow + packet, dtype=np.float64)
+        level = self.mean(links) + lower @ rng.standard_normal(len(links))
+        level += np.sqrt(self.fading) * rng.standard_normal(len(links))
+        if self.deviation:
+            number = link_numbers(links)
+            level += np.sqrt(self.deviation) * rng.standard_normal(len(links))[number]
+        return np.asarray(level, dtype=np.float64)
 
 
 def condition(model: ChannelModel, samples: Samples, most_centres: int = 1000) -> ChannelModel:
@@ -140,31 +157,37 @@ def condition(model: ChannelModel, samples: Samples, most_centres: int = 1000) -
     if samples.censored.any():
         raise RadioError("censored samples cannot be conditioned on directly; fit the channel")
     merged = merge(samples)
+    rows = merged.samples
     noise = model.fading / merged.count
-    return condition_on_sites(model, merged.samples, merged.samples.rssi, noise, most_centres)
+    return condition_on(model, evidence_for(model, rows, rows.rssi, noise), most_centres)
 
 
-def condition_on_sites(
-    model: ChannelModel, samples: Samples, target: Array, noise: Array, most_centres: int
-) -> ChannelModel:
-    """Condition on pseudo-observations `target` (K,) [dBm] of noise variance `noise` (K,)."""
-    prior = replace(model, posterior=None)
-    if not len(samples) or model.shadowing == 0.0:
-        return prior
-    if model.kernel is KernelName.PAPER_MIN:
-        check_covariance(samples.links, model.length, model.kernel)
+def evidence_for(model: ChannelModel, samples: Samples, target: Array, noise: Array) -> Evidence:
+    """What pseudo-observations `target` (K,) [dBm] of noise variance `noise` (K,) tell about the
+    shadowing of each link."""
     shift = np.array([model.offset(n) if model.offsets else 0.0 for n in samples.names])
-    residual = target - prior.mean(samples.links) - shift[samples.receiver]
+    residual = target - model.mean(samples.links) - shift[samples.receiver]
+    return by_link(samples.links, residual, noise, model.deviation)
+
+
+def condition_on(model: ChannelModel, evidence: Evidence, most_centres: int) -> ChannelModel:
+    """The channel given evidence: exactly up to EXACT_LIMIT links, else by inducing links."""
+    prior = replace(model, posterior=None)
+    if not len(evidence) or model.shadowing == 0.0:
+        return prior
+    links, residual, noise = evidence.links, evidence.residual, evidence.noise
+    if model.kernel is KernelName.PAPER_MIN:
+        check_covariance(links, model.length, model.kernel)
     shape = (model.shadowing, model.length, model.kernel)
-    if len(samples) <= EXACT_LIMIT:
-        exact = exact_posterior(samples.links, residual, noise + _floor_noise(model), *shape)
+    if len(evidence) <= EXACT_LIMIT:
+        exact = exact_posterior(links, residual, noise + _floor_noise(model), *shape)
         return replace(prior, posterior=exact)
-    rows = choose_centres(samples.links, model.length, model.kernel, most_centres)
+    rows = choose_centres(links, model.length, model.kernel, most_centres)
     noise = np.maximum(noise, 1e-6)
-    sparse = inducing_posterior(samples.links[rows], samples.links, residual, noise, *shape)
+    sparse = inducing_posterior(links[rows], links, residual, noise, *shape)
     return replace(prior, posterior=sparse)
 
 
 def _floor_noise(model: ChannelModel) -> float:
-    """A speck of noise that keeps the covariance regular when there is no fading."""
-    return 0.0 if model.fading > 0 else 1e-8
+    """A speck of noise that keeps the covariance regular when there is none."""
+    return 0.0 if model.own_variance(True) > 0 else 1e-8

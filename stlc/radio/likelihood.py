@@ -1,11 +1,15 @@
 """The likelihood of a channel, exact or by blocks, with left-censored samples.
 
-theta = (log sigma_F^2, log sigma_k^2, log l); the mean's coefficients b (L0, n, offsets) are
+Samples are nested in links: a sample is the mean, plus shadowing, plus the deviation of its link
+(variance sigma_L^2, independent from link to link, one value for all samples of a link whatever
+their direction), plus its own fading (Searle, Casella and McCulloch, Variance Components, 1992).
+theta = (log sigma_F^2, log sigma_k^2, log l, log sigma_L^2), without the last where no link was
+measured twice: then sigma_F^2 stands for both. The mean's coefficients b (L0, n, offsets) are
 profiled by generalised least squares inside. A censored sample has the likelihood
-Phi((floor - f) / sigma_F); expectation propagation replaces it by a Gaussian site (Minka,
-2001; Rasmussen and Williams, 2006, section 3.6; for log-concave sites such as this one it is
-accurate and stable). With sites at their fixed point the gradient of log Z is that at fixed
-sites, so all gradients are analytic.
+Phi((floor - f) / sigma_F), f the strength of its link; expectation propagation replaces it by a
+Gaussian site (Minka, 2001; Rasmussen and Williams, 2006, section 3.6; for log-concave sites such
+as this one it is accurate and stable). With sites at their fixed point the gradient of log Z is
+that at fixed sites, so all gradients are analytic.
 Beyond one block the rows are cut by position (k-d tree) into blocks taken as independent:
 a composite likelihood, O(K B^2) for blocks of B rows (Varin, Reid and Firth, 2011).
 """
@@ -54,7 +58,7 @@ class Sites:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Evaluation:
-    """Log likelihood at theta, its gradient (3,), the coefficients b (q,) with their
+    """Log likelihood at theta, its gradient by theta, the coefficients b (q,) with their
     covariance (q, q), and the sites."""
 
     value: float
@@ -62,6 +66,29 @@ class Evaluation:
     coefficients: Array
     covariance: Array
     sites: Sites
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Shape:
+    """Correlation of one block's shadowing, its derivative by log l, and which rows share a link
+    (None where each row has its own)."""
+
+    value: Array
+    slope: Array
+    same: Array | None
+
+    def add_deviation(self, matrix: Array, deviation: float) -> None:
+        """Add the covariance of the links' deviations."""
+        if self.same is None:
+            matrix[np.diag_indices_from(matrix)] += deviation
+        else:
+            matrix += deviation * self.same
+
+    def shared(self, alpha: Array, inverse: Array) -> float:
+        """alpha' S alpha - trace(inverse S), S = 1 where rows share a link."""
+        if self.same is None:
+            return float(alpha @ alpha) - float(np.trace(inverse))
+        return _pull(alpha, inverse, self.same)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,39 +124,58 @@ def initial_sites(problem: Problem, fading: float, variance: float) -> Sites:
 
 def evaluate(problem: Problem, theta: Array, sites: Sites) -> Evaluation:
     """Log likelihood and gradient at theta, starting from the censored rows of `sites`."""
-    fading, shadowing, length = (float(v) for v in np.exp(theta))
+    fading, shadowing, length, deviation = variances(theta)
     samples, hidden = problem.merged.samples, problem.censored
     target = np.where(hidden, sites.target, samples.rssi)
     noise = np.where(hidden, sites.noise, fading / problem.merged.count)
-    shapes = [
-        correlation_gradient(samples.links[r], samples.links[r], length, problem.kernel)
-        for r in problem.blocks
-    ]
+    shapes = [_shape(problem, rows, length) for rows in problem.blocks]
+    spread = (shadowing, deviation, fading)
     for _ in range(SWEEPS):
-        blocks = _factorise(problem, shapes, shadowing, noise)
+        blocks = _factorise(problem, shapes, spread, noise)
         fit = _least_squares(problem, blocks, target)
         alpha, diagonal = _leave_one_out(problem, blocks, target - problem.features @ fit[0])
         if not hidden.any():
             break
         new = _update_sites(problem, target, noise, alpha, diagonal, fading)
-        moved = np.abs(1.0 / new.noise - 1.0 / noise)[hidden].max() * (fading + shadowing)
+        moved = np.abs(1.0 / new.noise - 1.0 / noise)[hidden].max() * (
+            fading + shadowing + deviation
+        )
         target, noise = new.target, new.noise
         if moved < EP_TOLERANCE:
             break
     value, slope = _value(problem, blocks, target, alpha, diagonal, fit[0], fading, noise)
-    gradient = _gradient(problem, blocks, shapes, alpha, diagonal, shadowing, fading)
+    gradient = _gradient(problem, blocks, shapes, alpha, diagonal, spread)
     gradient[0] += slope
+    gradient = gradient[: len(theta)]
     return Evaluation(value, gradient, fit[0], fit[1], Sites(target, noise))
 
 
+def variances(theta: Array) -> tuple[float, float, float, float]:
+    """sigma_F^2, sigma_k^2 [dB^2], l [m] and sigma_L^2 [dB^2], 0 where theta lacks it."""
+    fading, shadowing, length = (float(v) for v in np.exp(theta[:3]))
+    return fading, shadowing, length, float(np.exp(theta[3])) if len(theta) > 3 else 0.0
+
+
+def _shape(problem: Problem, rows: Ints, length: float) -> _Shape:
+    links, number = problem.merged.samples.links[rows], problem.merged.link[rows]
+    value, slope = correlation_gradient(links, links, length, problem.kernel)
+    if len(np.unique(number)) == len(rows):
+        return _Shape(value, slope, None)
+    same = (number[:, None] == number[None, :]).astype(np.float64)
+    return _Shape(value, slope, same)
+
+
 def _factorise(
-    problem: Problem, shapes: list[tuple[Array, Array]], shadowing: float, noise: Array
+    problem: Problem, shapes: list[_Shape], spread: tuple[float, float, float], noise: Array
 ) -> list[_Block]:
+    """`spread`: variances of shadowing, links' deviations and fading."""
     from scipy.linalg.lapack import dpotrf, dpotri
 
     blocks = []
-    for rows, (shape, _) in zip(problem.blocks, shapes, strict=True):
-        matrix = shadowing * shape
+    shadowing, deviation, _ = spread
+    for rows, shape in zip(problem.blocks, shapes, strict=True):
+        matrix = shadowing * shape.value
+        shape.add_deviation(matrix, deviation)
         matrix[np.diag_indices_from(matrix)] += noise[rows] + 1e-8 * shadowing
         lower, info = dpotrf(matrix, lower=1, overwrite_a=1)
         if info:
@@ -210,7 +256,8 @@ def _value(
     residual = target - problem.features @ coefficients
     value = -0.5 * float(residual @ alpha) - 0.5 * sum(b.log_det for b in blocks)
     value -= 0.5 * len(residual) * np.log(2.0 * np.pi)
-    value -= 0.5 * merged.surplus * np.log(2.0 * np.pi * fading) + 0.5 * merged.scatter / fading
+    surplus, scatter = float((merged.count - 1.0).sum()), float(merged.scatter.sum())
+    value -= 0.5 * surplus * np.log(2.0 * np.pi * fading) + 0.5 * scatter / fading
     value -= 0.5 * float(np.log(merged.count).sum())
     if not hidden.any():
         return float(value), 0.0
@@ -225,21 +272,26 @@ def _value(
 def _gradient(
     problem: Problem,
     blocks: list[_Block],
-    shapes: list[tuple[Array, Array]],
+    shapes: list[_Shape],
     alpha: Array,
     diagonal: Array,
-    shadowing: float,
-    fading: float,
+    spread: tuple[float, float, float],
 ) -> Array:
-    """Derivatives by (log sigma_F^2, log sigma_k^2, log l) at fixed sites."""
+    """Derivatives by all four entries of theta at fixed sites."""
     merged, seen = problem.merged, ~problem.censored
+    shadowing, deviation, fading = spread
     weight = (alpha**2 - diagonal) / merged.count
-    out = np.zeros(3)
+    out = np.zeros(4)
     out[0] = 0.5 * fading * float(weight[seen].sum())
-    out[0] += 0.5 * merged.scatter / fading - 0.5 * merged.surplus
-    for block, (shape, slope) in zip(blocks, shapes, strict=True):
+    out[0] += 0.5 * float((merged.scatter / fading - (merged.count - 1.0)).sum())
+    for block, shape in zip(blocks, shapes, strict=True):
         a = alpha[block.rows]
-        for k, matrix in ((1, shape), (2, slope)):
-            pull = float(a @ matrix @ a) - float(np.einsum("ij,ij->", block.inverse, matrix))
-            out[k] += 0.5 * shadowing * pull
+        out[1] += 0.5 * shadowing * _pull(a, block.inverse, shape.value)
+        out[2] += 0.5 * shadowing * _pull(a, block.inverse, shape.slope)
+        out[3] += 0.5 * deviation * shape.shared(a, block.inverse)
     return out
+
+
+def _pull(alpha: Array, inverse: Array, matrix: Array) -> float:
+    """alpha' M alpha - trace(inverse M) for a symmetric M."""
+    return float(alpha @ matrix @ alpha) - float(np.einsum("ij,ij->", inverse, matrix))

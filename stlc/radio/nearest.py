@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stlc.radio.evidence import Evidence
 from stlc.radio.gp import ChannelModel
 from stlc.radio.kernel import self_overlap
 from stlc.radio.pathloss import swap_ends
@@ -28,23 +29,6 @@ NEIGHBOURS = 100
 CHUNK_BYTES = 64_000_000
 IGNORED = 1e12
 """Noise variance [dB^2] of a neighbour found twice (near its own mirror image)."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Evidence:
-    """What a channel is conditioned on: links (K, 2 D) [m]; residuals to the path loss (K,)
-    [dB], offsets removed; their noise variances (K,) [dB^2]. Censored rows are Gaussian sites."""
-
-    links: Array
-    residual: Array
-    noise: Array
-
-    def __len__(self) -> int:
-        return len(self.links)
-
-    def take(self, rows: Ints) -> Evidence:
-        """The evidence of the given rows."""
-        return Evidence(self.links[rows], self.residual[rows], self.noise[rows])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,8 +63,7 @@ class NearestForecast:
             gain, drop = self._update(links[rows], near[rows], again[rows])
             mean[rows] += gain
             variance[rows] -= drop
-        extra = self.prior.fading if fading else 0.0
-        return mean, self.prior.checked_variance(variance) + extra
+        return mean, self.prior.checked_variance(variance) + self.prior.own_variance(fading)
 
     def _nearest(self, links: Array) -> tuple[Ints, NDArray[np.bool_]]:
         """Rows (K, k) of the nearest evidence, and which of them repeat an earlier one."""

@@ -102,7 +102,7 @@ def predict_pairs(
     distance = pair_distance(a, b)
     mean = path_loss_mean(distance, model.l0, model.exponent, model.d0) + model.offset(receiver)
     if not field.centres:
-        spread = model.shadowing + (model.fading if fading else 0.0)
+        spread = model.shadowing + model.own_variance(fading)
         return mean, np.full_like(mean, spread)
     overlap = 1.0 + np.exp(-((distance / model.length) ** 2))
     fa, fb = field.factors(a), swap_halves(field.factors(b))
@@ -112,7 +112,7 @@ def predict_pairs(
     for rows in row_blocks(len(a), len(b) * field.centres * 8):
         explained[rows] = _explained(field, fa[rows], fb)
     variance = model.checked_variance(model.shadowing * (1.0 - explained / overlap))
-    return mean, variance + (model.fading if fading else 0.0)
+    return mean, variance + model.own_variance(fading)
 
 
 def row_blocks(rows: int, bytes_a_row: int) -> list[slice]:

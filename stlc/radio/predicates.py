@@ -153,7 +153,8 @@ def _deciding(
         return predicate.threshold + floor - offset, predicate.threshold + floor - offset
     level = np.arange(floor - 100.0, floor + 200.0, 0.1)
     ends_at = []
-    for spread in (model.fading, model.fading + model.shadowing):
+    own = model.own_variance(True)
+    for spread in (own, own + model.shadowing):
         sigma = np.full_like(level, np.sqrt(spread))
         value = predicate.robustness(quantity_value(predicate, level, sigma, budget))
         ends_at.append(int(np.argmax((value >= 0) != (value[0] >= 0))))

@@ -55,7 +55,7 @@ class FitSummary:
         """The report as JSON data, units as in `format_summary`; vague errors are null."""
         fit, model = self.fit, self.fit.model
         errors = {k: v if v < VAGUE or k == "l0" else None for k, v in fit.standard_errors}
-        names = ("l0", "exponent", "fading", "shadowing", "length", "d0")
+        names = ("l0", "exponent", "fading", "deviation", "shadowing", "length", "d0")
         return {
             "channel": {name: getattr(model, name) for name in names},
             "kernel": model.kernel.value,
@@ -147,6 +147,7 @@ def format_summary(summary: FitSummary) -> str:
         f"L0            {model.l0:8.2f} dBm   +- {error['l0']:.2f}",
         f"n             {model.exponent:8.2f}       +- {error['exponent']:.2f}",
         _variance_line("fading", model.fading, error["log_fading"], "dB^2"),
+        *_deviation_line(fit),
         _variance_line("shadowing", model.shadowing, error["log_shadowing"], "dB^2"),
         _variance_line("length", model.length, error["log_length"], "m"),
         f"log likelihood {fit.log_likelihood:.1f}; path loss alone "
@@ -163,6 +164,14 @@ def format_summary(summary: FitSummary) -> str:
     lines += [f"offset        {name}: {value:+.2f} dB" for name, value in model.offsets]
     lines += [f"note: {note}" for note in fit.notes]
     return "\n".join(lines)
+
+
+def _deviation_line(fit: FitReport) -> list[str]:
+    """The links' own deviations, where repeats tell them from fading."""
+    error = dict(fit.standard_errors).get("log_deviation")
+    if error is None:
+        return ["deviation     in fading: no link was measured twice"]
+    return [_variance_line("deviation", fit.model.deviation, error, "dB^2")]
 
 
 def _variance_line(name: str, value: float, log_error: float, unit: str) -> str:
@@ -257,7 +266,7 @@ def _draw_variogram(axes: Axes, summary: FitSummary) -> None:
     axes.plot(lag, value, "o", label="samples")
     x = np.linspace(0.0, 3.0 * model.length, 200)
     rise = model.shadowing * (1.0 - np.exp(-(x**2) / (2.0 * model.length**2)))
-    axes.plot(x, model.fading + rise, label="fitted")
+    axes.plot(x, model.own_variance(True) + rise, label="fitted")
     axes.set(
         title="variogram", xlabel="distance between links [m]", ylabel="[dB^2]", ylim=(0, None)
     )

@@ -54,6 +54,10 @@ class Samples:
             self.links[rows], self.rssi[rows], self.floor[rows], self.receiver[rows], self.names
         )
 
+    def unnamed(self) -> Samples:
+        """The same samples, all of one calibration."""
+        return Samples(self.links, self.rssi, self.floor, np.zeros(len(self), dtype=np.intp))
+
     def with_floor(self, floor: float | Array) -> Samples:
         """The same samples, censored at `floor` [dBm] (one number, or one a receiver)."""
         level = np.atleast_1d(np.asarray(floor, dtype=np.float64))
@@ -72,40 +76,75 @@ def make_samples(links: Array, rssi: Array) -> Samples:
     )
 
 
+def distinct(samples: Samples) -> Samples:
+    """The samples without those that repeat another's link, receiver, strength and floor."""
+    key = [link_numbers(samples.links), samples.receiver, samples.rssi, samples.floor]
+    _, first = np.unique(np.column_stack(key), axis=0, return_index=True)
+    return samples.take(np.sort(first))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Merged:
-    """Samples with repeated links replaced by their mean: exact, not an approximation.
+    """Samples with repeats replaced by their mean: exact, not an approximation.
 
-    For n samples of one link the mean (variance sigma_F^2 / n) is sufficient for the
-    shadowing; `scatter` and `surplus` keep what the likelihood of sigma_F^2 still needs.
+    Of n samples of one link the mean, whose fading has the variance sigma_F^2 / n, is
+    sufficient for all that the link's samples share; `scatter` keeps what the likelihood of
+    sigma_F^2 still needs.
 
     samples   one row a link and receiver; censored rows are never merged
     count     (K,) how many samples each row stands for
-    scatter   sum of squares within the groups [dB^2]
-    surplus   samples minus rows
+    scatter   (K,) sum of squares of a row's samples about their mean [dB^2]
+    link      (K,) number of each row's link; both directions are one link
     row_of    (K0,) the merged row of each original sample
     """
 
     samples: Samples
     count: Array
-    scatter: float
-    surplus: int
+    scatter: Array
+    link: Ints
     row_of: Ints
+
+    @property
+    def repeated(self) -> bool:
+        """Whether some link was measured more than once."""
+        return len(self.row_of) > len(np.unique(self.link))
+
+    def take(self, rows: Ints) -> Merged:
+        """The given rows and their samples."""
+        new = np.full(len(self.samples), -1, dtype=np.intp)
+        new[rows] = np.arange(len(rows))
+        row_of = new[self.row_of]
+        return Merged(
+            self.samples.take(rows),
+            self.count[rows],
+            self.scatter[rows],
+            self.link[rows],
+            row_of[row_of >= 0],
+        )
 
 
 def merge(samples: Samples) -> Merged:
     """Merge equal links (also those equal after exchanging their ends) of one receiver."""
-    canonical = _canonical(samples.links)
+    link = link_numbers(samples.links)
+    _, lead = np.unique(link, return_index=True)
     own = np.where(samples.censored, np.arange(1, len(samples) + 1), 0)
-    key = np.column_stack([canonical, samples.receiver, own])
+    key = np.column_stack([link, samples.receiver, own])
     _, first, row_of = np.unique(key, axis=0, return_index=True, return_inverse=True)
     row_of = row_of.reshape(-1)
-    count = np.bincount(row_of).astype(np.float64)
+    count = np.asarray(np.bincount(row_of), dtype=np.float64)
     mean = np.bincount(row_of, weights=samples.rssi) / count
-    scatter = float(((samples.rssi - mean[row_of]) ** 2).sum())
+    square = (samples.rssi - mean[row_of]) ** 2
+    scatter = np.asarray(np.bincount(row_of, weights=square), dtype=np.float64)
     kept = samples.take(first)
-    merged = Samples(kept.links, mean, kept.floor, kept.receiver, kept.names)
-    return Merged(merged, count, scatter, len(samples) - len(first), row_of)
+    positions = samples.links[lead[link[first]]]  # one direction for all rows of a link
+    merged = Samples(positions, mean, kept.floor, kept.receiver, kept.names)
+    return Merged(merged, count, scatter, link[first], np.asarray(row_of, dtype=np.intp))
+
+
+def link_numbers(links: Array) -> Ints:
+    """Numbers (K,) from 0 on that are equal where links are equal, in either direction."""
+    _, number = np.unique(_canonical(links), axis=0, return_inverse=True)
+    return np.asarray(number.reshape(-1), dtype=np.intp)
 
 
 def _canonical(links: Array) -> Array:

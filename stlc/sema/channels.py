@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from stlc.radio.partition import Partition
 
 PROPERTIES = (
-    "path_loss", "L0", "n", "d0", "fading", "shadowing", "length", "kernel", "samples",
-    "noise_floor", "bandwidth", "noise_figure", "modulation", "packet", "sensitivity", "rate",
-    "partition", "cost", "bound", "cost_bound", "table", "pairs",
+    "path_loss", "L0", "n", "d0", "fading", "deviation", "shadowing", "length", "kernel",
+    "samples", "noise_floor", "bandwidth", "noise_figure", "modulation", "packet",
+    "sensitivity", "rate", "partition", "cost", "bound", "cost_bound", "table", "pairs",
 )  # fmt: skip
 COSTS = ("inv_snr", "etx", "neg_log_prr", "outage", "neg_rssi", "paper_inv_rssi")
 MODULATIONS = (
@@ -185,6 +185,7 @@ def _prior(statement: ast.ChannelDecl, reader: Reader) -> ChannelModel:
         length=length or 1.0,
         d0=_d0(reader),
         kernel=KernelName(_kernel(reader)),
+        deviation=reader.variance("deviation"),
     )
 
 

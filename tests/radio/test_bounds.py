@@ -58,15 +58,22 @@ def test_coarse_bounds_are_sound_for_any_channel(seed, part):
     rng = np.random.default_rng(seed)
     model, _ = conditioned(10, seed % 50)
     other = ChannelModel(
-        model.l0, rng.uniform(-1, 4), 0.0, rng.uniform(0.5, 40), rng.uniform(0.4, 6), d0=0.3
+        model.l0,
+        rng.uniform(-1, 4),
+        0.0,
+        rng.uniform(0.5, 40),
+        rng.uniform(0.4, 6),
+        d0=0.3,
+        deviation=rng.choice([0.0, 5.0]),
     )
     posterior = model.posterior
     assert posterior is not None
-    from stlc.radio.gp import condition_on_sites
+    from stlc.radio.gp import condition_on, evidence_for
     from stlc.radio.samples import make_samples
 
     samples = make_samples(posterior.centres, rng.normal(-30, 6, 10))
-    changed = condition_on_sites(other, samples, samples.rssi, np.full(10, 0.5), 10)
+    known = evidence_for(other, samples, samples.rssi, np.full(10, 0.5))
+    changed = condition_on(other, known, 10)
     found = pair_bounds(changed, BOXES, budget=10.0 ** (4 + part), z=1.0)
     mean, variance = predict_pairs(changed, points(rng, BOXES), points(rng, BOXES), True)
     assert (found.mean[0] <= mean).all()

@@ -5,7 +5,7 @@ from sklearn.gaussian_process.kernels import RBF, ConstantKernel
 from support.radio import conditioned, uniform_links
 
 from stlc.radio.errors import RadioError
-from stlc.radio.gp import ChannelModel, condition, condition_on_sites
+from stlc.radio.gp import ChannelModel, condition, condition_on, evidence_for
 from stlc.radio.pairs import predict_pairs
 from stlc.radio.pathloss import swap_ends
 from stlc.radio.posterior import choose_centres
@@ -48,7 +48,7 @@ def test_repeated_and_mirrored_links_are_merged_exactly():
     assert merged.count.sum() == 19
     prior = ChannelModel(model.l0, model.exponent, model.fading, model.shadowing, model.length)
     raw = make_samples(again, level)
-    unmerged = condition_on_sites(prior, raw, level, np.full(19, model.fading), 100)
+    unmerged = condition_on(prior, evidence_for(prior, raw, level, np.full(19, model.fading)), 100)
     asked = uniform_links(15, 4)
     for got, expected in zip(
         condition(prior, raw).predict(asked, True), unmerged.predict(asked, True), strict=True

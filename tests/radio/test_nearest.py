@@ -5,8 +5,9 @@ import pytest
 from support.radio import conditioned, uniform_links
 
 from stlc.radio.evaluate import approximation_error
+from stlc.radio.evidence import Evidence
 from stlc.radio.gp import condition
-from stlc.radio.nearest import Evidence, NearestForecast
+from stlc.radio.nearest import NearestForecast
 from stlc.radio.pathloss import swap_ends
 from stlc.radio.samples import make_samples
 

@@ -54,7 +54,8 @@ def codes(channel: str, rest: str = "", folder: Path | None = None) -> list[str]
 
 def test_every_value() -> None:
     found = radio(
-        LOSS + "shadowing 3 dB; length 2 m; d0 50 cm; kernel paper_min; bandwidth 2 MHz;"
+        LOSS + "shadowing 3 dB; deviation 2 dB; length 2 m; d0 50 cm; kernel paper_min;"
+        "bandwidth 2 MHz;"
         "noise_figure 5 dB; rate 250 kbit/s; modulation oqpsk_802_15_4; packet 32 bytes;"
         "sensitivity -95 dBm; partition 5 x 2; cost outage; bound centre; cost_bound worst"
     )
@@ -62,6 +63,7 @@ def test_every_value() -> None:
     assert model is not None
     assert budget is not None
     assert (model.l0, model.exponent, model.fading, model.shadowing) == (-40, 2.5, 10, 9)
+    assert model.deviation == 4
     assert (model.length, model.d0, model.kernel) == (2.0, 0.5, KernelName.PAPER_MIN)
     assert budget.noise_floor == pytest.approx(-174 + 10 * math.log10(2e6) + 5)
     assert (budget.bandwidth, budget.rate, budget.packet) == (2e6, 250e3, 32)
