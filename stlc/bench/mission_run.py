@@ -11,7 +11,6 @@ import json
 import tempfile
 import time
 from dataclasses import dataclass, field
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -158,10 +157,11 @@ class _Run:
 
 def load_solvers(backend: str) -> None:
     """Load the backend, and the searches ahead of it with their HiGHS: that is no solver's time."""
+    import stlc.solve.heuristics.dive
+    import stlc.solve.links.strategy
+    import stlc.solve.parts.strategy  # noqa: F401
     from stlc.milp.builder import ModelBuilder
 
-    for module in ("milp.start", "solve.links.strategy", "solve.parts.strategy"):
-        import_module(f"stlc.{module}")
     builder = ModelBuilder("nothing")
     builder.binary("x", (1,))
     model = builder.build()

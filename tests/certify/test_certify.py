@@ -111,7 +111,8 @@ def test_optimal_at_a_time_limit_is_only_feasible() -> None:
 
 def test_a_suboptimal_claim_is_refuted_by_a_second_solver() -> None:
     worse = certify(MODEL, replace(TRUTH, x=np.array([8.0, 1.0, 3.0]), objective=4.0, bound=4.0))
-    with pytest.raises(SolverError, match=r"Fibber 1.0.* claims 4 is optimal, but HiGHS .* 3"):
+    said = r"Fibber 1.0.* claims 4 is optimal, but HiGHS .* (3|2\.99999\d+)$"
+    with pytest.raises(SolverError, match=said):  # HiGHS 1.16 may lean on its tolerance of 1e-6
         confirm_optimal(MODEL, worse, get("highs"))
     assert confirm_optimal(MODEL, certify(MODEL, TRUTH), get("highs")).confirmed
 

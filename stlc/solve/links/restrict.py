@@ -187,17 +187,7 @@ def relax(frame: Frame, reduced: Reduced, seconds: float) -> Relaxed | None:
     """Solve the LP relaxation with HiGHS; None when it ended otherwise than solved."""
     import highspy
 
-    model, A = reduced.model, reduced.model.A
-    h: Any = _solver()
-    h.setOptionValue("output_flag", False)
-    h.setOptionValue("time_limit", max(0.1, seconds))
-    h.passModel(
-        model.columns, model.rows, A.nnz, int(highspy.MatrixFormat.kRowwise),
-        int(highspy.ObjSense.kMinimize), model.offset, model.c, model.col_lower, model.col_upper,
-        model.row_lower, model.row_upper, A.indptr.astype(np.int32), A.indices.astype(np.int32),
-        A.data, np.zeros(model.columns, np.int32),
-    )  # fmt: skip
-    h.run()
+    h = _solved(reduced.model, seconds)
     n, m = frame.model.columns, frame.model.rows
     duals, costs, x = np.zeros(m), np.zeros(n), reduced.fixed.copy()
     status = h.getModelStatus()
@@ -212,11 +202,23 @@ def relax(frame: Frame, reduced: Reduced, seconds: float) -> Relaxed | None:
     return Relaxed(h.getInfo().objective_function_value, duals, costs, x)
 
 
-def _solver() -> Any:
+def _solved(model: Model, seconds: float) -> Any:
     import highspy
 
-    make: Any = highspy.Highs
-    return make()
+    from stlc.backends.highs_session import SCHEDULER, new_highs
+
+    h, A = new_highs(), model.A
+    h.setOptionValue("time_limit", max(0.1, seconds))
+    h.passModel(
+        model.columns, model.rows, A.nnz, int(highspy.MatrixFormat.kRowwise),
+        int(highspy.ObjSense.kMinimize), model.offset, model.c, model.col_lower, model.col_upper,
+        model.row_lower, model.row_upper, A.indptr.astype(np.int32), A.indices.astype(np.int32),
+        A.data, np.zeros(model.columns, np.int32),
+    )  # fmt: skip
+    with SCHEDULER.claim(SCHEDULER.size) as threads:
+        h.setOptionValue("threads", threads)
+        h.run()
+    return h
 
 
 def potentials(frame: Frame, bodies: Sequence[int], duals: Floats) -> Floats:
