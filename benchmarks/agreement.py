@@ -25,7 +25,7 @@ from stlc.errors import InfeasibleError, SolverError
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.mission import Mission
 from stlc.solve.certify import certify
-from stlc.solve.driver import judge_point
+from stlc.solve.judge import Judge
 
 SIZE = 8  # the workspace is [0, 8] x [0, 8]
 CLOSE = 1e-4  # relative difference of objectives that a gap of 1e-6 and tolerances explain
@@ -120,7 +120,7 @@ def _answer(compiled: Compiled, mission: Mission, name: str) -> str | float:
         certified = certify(compiled.model, solution, options=asked)
     except SolverError:
         return REFUSED
-    _, report = judge_point(mission, compiled, solution, asked)
+    _, report = Judge(mission, compiled).judge(solution, asked)
     if not report.ok:
         return "the verifier refuses the plan"
     # A big-M leak may cost the word 'optimal' but not the point.

@@ -9,7 +9,7 @@ from stlc.bench.job import Job
 from stlc.bench.record import Record
 from stlc.bench.run import run_job
 from stlc.errors import SolverError
-from stlc.solve.cluster import connect, distributed, stop_event
+from stlc.solve.racing.cluster import connect, distributed, stop_event
 
 _POLL = 0.2  # s
 _DEATHS = 5  # workers that may die under one run before it counts as failed

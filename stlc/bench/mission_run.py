@@ -101,7 +101,7 @@ class _Run:
         return compiled
 
     def _solve(self, mission: Mission, compiled: Compiled) -> Solution:
-        from stlc.solve.strategy import run_strategy
+        from stlc.solve.strategies import run_strategy
 
         def report(progress: Progress) -> None:
             at = (progress.seconds, progress.objective, progress.bound, progress.nodes)
@@ -114,14 +114,14 @@ class _Run:
         return run_strategy(config.strategy, compiled, backends.get(config.backend), options)
 
     def _check_first(self, mission: Mission, compiled: Compiled, progress: Progress) -> None:
-        from stlc.solve.driver import judge_point
+        from stlc.solve.judge import Judge
 
         x = progress.incumbent
         assert x is not None
         value = compiled.model.objective(x)
         claim = Solution(Status.FEASIBLE, x, value, progress.bound, solver=self.job.config.backend)
         try:
-            _, report = judge_point(mission, compiled, claim)
+            _, report = Judge(mission, compiled).judge(claim)
         except SolverError:
             return  # refused by certification: the next incumbent is tried
         if report.ok:
@@ -130,7 +130,7 @@ class _Run:
 
     def _judge(self, mission: Mission, compiled: Compiled, solution: Solution) -> None:
         """Certify and verify the answer; what was claimed is only then a figure."""
-        from stlc.solve.driver import judge_point
+        from stlc.solve.judge import Judge
 
         if solution.x is None:
             proven = solution.status is Status.INFEASIBLE
@@ -138,7 +138,7 @@ class _Run:
             return
         began = time.perf_counter()
         try:
-            plan, report = judge_point(mission, compiled, solution, solve_options(self.job))
+            plan, report = Judge(mission, compiled).judge(solution, solve_options(self.job))
         except SolverError as error:
             self.send(status="refused", message=_line(error))
             return
@@ -157,9 +157,7 @@ class _Run:
 
 def load_solvers(backend: str) -> None:
     """Load the backend, and the searches ahead of it with their HiGHS: that is no solver's time."""
-    import stlc.solve.heuristics.dive
-    import stlc.solve.links.strategy
-    import stlc.solve.parts.strategy  # noqa: F401
+    import stlc.solve.strategies  # noqa: F401
     from stlc.milp.builder import ModelBuilder
 
     builder = ModelBuilder("nothing")

@@ -12,7 +12,7 @@ from stlc.backends.base import relative_gap
 from stlc.bench.job import Done, Job, Point, Update
 from stlc.bench.record import Record, record_of
 from stlc.errors import SolverError
-from stlc.solve.child import Child
+from stlc.solve.racing.child import Child
 
 _POLL = 0.1  # s
 _MARK = 60.0  # s of the solver at which the gap is read

@@ -12,8 +12,8 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from stlc.bench.job import Done, Job, Update
-from stlc.solve.child import end_with_input, limit_memory, private_output
-from stlc.solve.messages import read_message, write_message
+from stlc.solve.racing.child import end_with_input, limit_memory, private_output
+from stlc.solve.racing.messages import read_message, write_message
 
 Tell = Callable[[object], None]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from stlc.cli.common import compiled_model, load, mission_options
-from stlc.errors import DisagreementError, ViolationError
+from stlc.errors import ViolationError
 
 
 @click.command("verify")
@@ -75,17 +75,13 @@ def read_solution_command(
     from stlc.milp.encodings import compile_options
     from stlc.milp.readers import read_solution
     from stlc.milp.writers import safe_names
-    from stlc.solve.driver import judge_point
+    from stlc.solve.judge import Judge
 
     mission = load(file, define, allow_path)
     compiled = compiled_model(mission, compile_options(encoding, disable))
     x = read_solution(solution, safe_names(compiled.model)[0])
     claim = Solution(Status.FEASIBLE, x, compiled.model.objective(x), solver=solution.name)
-    plan, report = judge_point(mission, compiled, claim)
-    if not report.ok:
-        raise DisagreementError(
-            "the solution satisfies the compiled model but not the mission:\n" + report.text()
-        )
+    plan, report = Judge(mission, compiled).accept(claim)
     if output is not None:
         plan.write(output)
     click.echo(report.text())

@@ -25,8 +25,8 @@ from stlc.errors import SolverError
 if TYPE_CHECKING:
     from stlc.milp.compile import Compiled
     from stlc.mission import Mission
-    from stlc.solve.contest import Result
-    from stlc.solve.race import Racer
+    from stlc.solve.racing.mission_race import Result
+    from stlc.solve.racing.race import Racer
 
 
 @click.command("race")
@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 def race_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...],
                  **words: Any) -> int:  # fmt: skip
     """Solve FILE with several solvers and encodings at once; the first certified proof wins."""
-    from stlc.solve.contest import Contest
+    from stlc.solve.racing.mission_race import Contest
 
     mission = load(file, define, allow_path)
     check_outputs(words["output"])
@@ -72,7 +72,7 @@ def _enter(mission: Mission, words: dict[str, Any]) -> tuple[dict[str, Compiled]
     from stlc.backends.base import SolveOptions
     from stlc.milp.compile import compile_mission
     from stlc.milp.encodings import compile_options
-    from stlc.solve.race import Racer
+    from stlc.solve.racing.race import Racer
 
     options = SolveOptions(words["time_limit"], words["gap"], words["threads"])
     memory = None if words["memory"] is None else int(words["memory"] * 2**30)
@@ -83,7 +83,7 @@ def _enter(mission: Mission, words: dict[str, Any]) -> tuple[dict[str, Compiled]
         backend, _, encoding = name.partition(":")
         backends.get(backend)  # an unknown name is a mistake; a missing solver only loses
         compiled[name] = compile_mission(mission, compile_options(encoding or "auto"))
-        racers.append(Racer(name, backend, compiled[name].model, options, memory))
+        racers.append(Racer(name, backend, compiled[name], options, memory))
     return compiled, racers
 
 

@@ -23,12 +23,12 @@ from stlc.milp.builder import ModelBuilder
 from stlc.milp.context import Context
 from stlc.milp.costs import add_objective
 from stlc.milp.dynamics import add_agents
-from stlc.milp.formulas.encoder import Encoded, FormulaEncoder
+from stlc.milp.formulas.encoder import FormulaEncoder
 from stlc.milp.formulas.links import LinkEncoder
 from stlc.milp.formulas.selectors import selector_named
+from stlc.milp.layout import Layout
 from stlc.milp.model import Model, Origin
 from stlc.milp.stage_rows import add_cuts, add_hulls
-from stlc.milp.tables import PairColumns, made_pairs
 from stlc.mission import Mission
 from stlc.passes import PassStats, Program, run_pipeline
 from stlc.trajectories import Trajectories
@@ -74,16 +74,23 @@ class Compiled:
 
     model: Model
     mission: Mission
-    states: Mapping[str, Ints]
-    inputs: Mapping[str, Ints]
+    layout: Layout
     ranges: Mapping[str, Ranges]
     robustness: Mapping[str | None, tuple[int, float, float]]
     stats: CompileStats
     channels: ChannelTables
-    encoded: tuple[Encoded, ...] = ()
-    pairs: tuple[PairColumns, ...] = ()
     warnings: tuple[Diagnostic, ...] = ()
     link: str = "auto"
+
+    @property
+    def states(self) -> Mapping[str, Ints]:
+        """states[agent] (T+1, n): columns."""
+        return self.layout.states
+
+    @property
+    def inputs(self) -> Mapping[str, Ints]:
+        """inputs[agent] (T, m): columns."""
+        return self.layout.inputs
 
     def decode(self, x: Floats) -> Trajectories:
         """Trajectories of a point x (n,)."""
@@ -110,17 +117,17 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     add_agents(ctx)
     goals = program.known_goals()
     rho = {goal: _add_goal(ctx, goal) for goal in goals}
-    encoded, notes = _add_requirements(ctx, program, goals, rho, tables, options)
+    notes = _add_requirements(ctx, program, goals, rho, tables, options)
     if "stages" not in options.disabled_passes:
-        _add_stages(ctx, program, encoded)
+        _add_stages(ctx, program)
     notes += add_objective(ctx, tables, options.link)
     model = ctx.builder.build()
     stats = CompileStats(sizes(model), passes, time.perf_counter() - began, notes)
     robustness = {g.requirement: (rho[g], g.low, g.high) for g in goals}
     named = {f"require {r.name}": r for r in program.requirements}
     return Compiled(
-        model, mission, ctx.states, ctx.inputs, ctx.ranges, robustness, stats, tables.channels,
-        encoded, made_pairs(ctx), leaky_big_ms(model, named), options.link,
+        model, mission, ctx.layout, ctx.ranges, robustness, stats, tables.channels,
+        leaky_big_ms(model, named), options.link,
     )  # fmt: skip
 
 
@@ -139,7 +146,7 @@ def _add_requirements(
     rho: Mapping[Goal, int],
     tables: LinkTables,
     options: CompileOptions,
-) -> tuple[tuple[Encoded, ...], tuple[str, ...]]:
+) -> tuple[str, ...]:
     encoder = FormulaEncoder(
         ctx, rho, LinkEncoder(ctx, tables, rho, options.link), selector_named(options.stl)
     )
@@ -147,17 +154,14 @@ def _add_requirements(
     for requirement in program.requirements:
         ctx.builder.origin = Origin(f"require {requirement.name}", requirement.span)
         found.append(encoder.require(requirement, level_of(requirement, goals)))
-    notes = tuple(f"{n} formula choices: {why}" for why, n in encoder.reasons.items())
-    return tuple(found), notes
+    ctx.layout.encoded = tuple(found)
+    return tuple(f"{n} formula choices: {why}" for why, n in encoder.reasons.items())
 
 
-def _add_stages(ctx: Context, program: Program, encoded: tuple[Encoded, ...]) -> None:
+def _add_stages(ctx: Context, program: Program) -> None:
     """Cuts and hulls of consecutive choices; see `stages.py`."""
     literals: dict[Node, Ints] = {
-        node: np.array([column for _, column in pairs], np.int64)
-        for one in encoded
-        for node, pairs in one.choices
-        if len(pairs) == len(node.args)
+        node: columns for one in ctx.layout.encoded for node, columns in one.whole_choices()
     }
     for name, stages in find_stages(ctx.mission, program.requirements, ctx.ranges).items():
         ctx.builder.origin = Origin(f"stages of {name}")

@@ -11,6 +11,7 @@ import numpy as np
 from stlc.analysis.ranges import Ranges
 from stlc.arrays import Floats, Ints
 from stlc.milp.builder import ModelBuilder
+from stlc.milp.layout import Layout
 from stlc.mission import Agent, Mission
 
 
@@ -39,16 +40,25 @@ class Affine:
 class Context:
     """Handed from encoder to encoder while one model is built.
 
-    states[agent] (T+1, n) and inputs[agent] (T, m) are column indices. `memo` is for encoders that
+    `layout` collects what each encoder put where. `memo` is for encoders that
     share auxiliary columns (cells of an agent at a step, literals of a sub-formula).
     """
 
     mission: Mission
     builder: ModelBuilder
     ranges: Mapping[str, Ranges]
-    states: dict[str, Ints] = field(default_factory=dict)
-    inputs: dict[str, Ints] = field(default_factory=dict)
+    layout: Layout = field(default_factory=Layout)
     memo: dict[Any, Any] = field(default_factory=dict)
+
+    @property
+    def states(self) -> dict[str, Ints]:
+        """states[agent] (T+1, n): columns."""
+        return self.layout.states
+
+    @property
+    def inputs(self) -> dict[str, Ints]:
+        """inputs[agent] (T, m): columns."""
+        return self.layout.inputs
 
     def agent(self, name: str) -> Agent:
         """The agent of that name."""

@@ -56,10 +56,10 @@ def _window(ctx: Context, term: ObjectiveTerm) -> tuple[int, int]:
 def _add_effort(ctx: Context, term: ObjectiveTerm, tables: LinkTables) -> None:
     first, last = _window(ctx, term)
     agents = [ctx.agent(name) for name in term.agents or ctx.mission.agents]
-    parts = [part for agent in agents for part in _agent_entries(ctx, agent, first, last)]
     weight = term.weight / static_range(ctx.mission, term, tables.channels)
-    for part in parts:
-        _add_absolute(ctx, part, weight)
+    for agent in agents:
+        for part in _agent_entries(ctx, agent, first, last):
+            ctx.layout.add_effort(agent.name, _add_absolute(ctx, part, weight))
 
 
 def _agent_entries(ctx: Context, agent: Agent, first: int, last: int) -> list[_Entries]:
@@ -81,14 +81,15 @@ def _entries(cols: Ints, weights: Floats, lower: Floats, upper: Floats) -> _Entr
     return _Entries(cols[used], spread[used].astype(float), lower[used], upper[used])
 
 
-def _add_absolute(ctx: Context, part: _Entries, weight: float) -> None:
+def _add_absolute(ctx: Context, part: _Entries, weight: float) -> Ints:
+    """The columns that carry the cost."""
     costs = weight * part.weights
     known = (part.lower >= 0) | (part.upper <= 0)
     signs = np.where(part.lower >= 0, 1.0, -1.0)
     ctx.builder.add_cost(part.cols[known], (signs * costs)[known])
     cols, costs = part.cols[~known], costs[~known]
     if not len(cols) or weight == 0:
-        return
+        return part.cols[known]
     if weight < 0:
         raise UsageError("effort can be minimised, not maximised: give it a positive weight")
     top = np.maximum(-part.lower, part.upper)[~known]
@@ -96,6 +97,7 @@ def _add_absolute(ctx: Context, part: _Entries, weight: float) -> None:
     pairs = np.column_stack([size, cols])
     for sign in (1.0, -1.0):
         ctx.builder.add_dense_rows("abs", pairs, [1.0, sign], 0.0, np.inf)
+    return np.concatenate([part.cols[known], size])
 
 
 def _add_link_cost(

@@ -43,6 +43,7 @@ def _add_dynamics(ctx: Context, agent: Agent) -> None:
     x, u = ctx.states[agent.name], ctx.inputs[agent.name]
     steps, n = len(u), x.shape[1]
     if steps == 0:
+        ctx.layout.dynamics[agent.name] = np.empty((0, n), np.int64)
         return
     parts = [(np.eye(n), x[1:]), (-agent.dynamics.A, x[:-1]), (-agent.dynamics.B, u)]
     offsets = np.arange(steps)[:, None] * n
@@ -53,11 +54,12 @@ def _add_dynamics(ctx: Context, agent: Agent) -> None:
         cols.append(block[:, j].ravel())
         values.append(np.tile(matrix[i, j], steps))
     drift = np.tile(agent.dynamics.drift, steps)
-    ctx.builder.add_rows(
+    made = ctx.builder.add_rows(
         f"dynamics_{agent.name}",
         np.concatenate(rows), np.concatenate(cols), np.concatenate(values),
         drift, drift, count=steps * n,
     )  # fmt: skip
+    ctx.layout.dynamics[agent.name] = made.reshape(steps, n)
 
 
 def _add_polygon(ctx: Context, agent: Agent, bound: NormBound, block: Ints, upper: Floats) -> None:

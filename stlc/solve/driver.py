@@ -17,7 +17,6 @@ from stlc import backends
 from stlc.backends.base import Backend, Capability, Progress, Solution, SolveOptions, Status
 from stlc.backends.support import require
 from stlc.errors import (
-    DisagreementError,
     InfeasibleError,
     InterruptedSolveError,
     NoPlanError,
@@ -33,6 +32,7 @@ from stlc.solve.events import (
     tell_warnings,
 )
 from stlc.solve.incumbent import Keeper
+from stlc.solve.judge import Judge
 from stlc.solve.supervise import Supervisor
 
 if TYPE_CHECKING:
@@ -141,34 +141,6 @@ def solve_mission(
     return job.run(now - began)
 
 
-def judge_point(
-    mission: Mission,
-    compiled: Compiled,
-    solution: Solution,
-    options: SolveOptions | None = None,
-    encoding: str = "auto",
-) -> tuple[Plan, Report]:
-    """Certify a point against the Model, decode it, verify the plan.
-
-    SolverError when certification refuses the point; the verifier's verdict is in the report.
-    """
-    from stlc.plan import SolveInfo, make_plan
-    from stlc.solve.certify import certify
-    from stlc.verify import verify
-
-    certified = certify(compiled.model, solution, options=options)
-    if certified.x is None:
-        raise SolverError(f"{solution.solver} gave no point")
-    run = compiled.decode(certified.x)
-    info = SolveInfo(
-        certified.status.value, certified.objective, certified.bound, certified.gap,
-        solution.solver, solution.solver_version, encoding,
-    )  # fmt: skip
-    plan = make_plan(mission, run.states, run.inputs, info)
-    report = verify(mission, plan, compiled.channels)
-    return report.annotate(plan, certified.as_dict()), report
-
-
 @dataclass(slots=True)
 class _Job:
     """One solve under way."""
@@ -181,13 +153,15 @@ class _Job:
     should_stop: Callable[[], bool] | None
     began: float
     encoding: str
+    judge: Judge = field(init=False)
     keeper: Keeper = field(init=False)
     _stopped: bool = False
     _refused: str | None = None
 
     def __post_init__(self) -> None:
+        self.judge = Judge(self.mission, self.compiled, self.encoding)
         self.keeper = Keeper(
-            self._judge, self.listen, self.backend.name, self.backend.version(),
+            self.judge.judge, self.listen, self.backend.name, self.backend.version(),
             self.settings.save_to, self.began,
         )  # fmt: skip
 
@@ -210,7 +184,7 @@ class _Job:
 
     def _solve(self) -> Solution | None:
         """Run the strategy; its claims are not yet believed. None when it was left behind."""
-        from stlc.solve.strategy import run_strategy
+        from stlc.solve.strategies import run_strategy
 
         self.listen(StatusEvent("solve", self.backend.version()))
         if self.settings.save_to and not Capability.INCUMBENTS & self.backend.capabilities:
@@ -287,9 +261,6 @@ class _Job:
         plan = replace(plan, solve=replace(plan.solve, seconds=took))
         return self._hand_over(Outcome(plan, report, self.compiled, solution, took))
 
-    def _judge(self, solution: Solution, asked: SolveOptions | None = None) -> tuple[Plan, Report]:
-        return judge_point(self.mission, self.compiled, solution, asked, self.encoding)
-
     def _conclude(self, solution: Solution, seconds: dict[str, float]) -> Outcome:
         """Turn the solver's claim into a certified plan, or into the error that fits."""
         match solution.status:
@@ -306,13 +277,8 @@ class _Job:
     def _finish(self, solution: Solution, seconds: dict[str, float]) -> Outcome:
         began = time.perf_counter()
         self.listen(StatusEvent("verify", "certifying the point, verifying the plan"))
-        plan, report = self._judge(solution, self._options_asked())
+        plan, report = self.judge.accept(solution, self._options_asked())
         seconds = {**seconds, "verify": time.perf_counter() - began}
-        if not report.ok:
-            raise DisagreementError(
-                "the plan satisfies the compiled model but not the mission; this is a bug in "
-                f"stlc:\n{report.text()}"
-            )
         for warning in plan.certificate.get("warnings", ()):
             self.listen(DiagnosticEvent("warning", warning))
         plan = replace(plan, solve=replace(plan.solve, seconds=seconds))

@@ -1,112 +1,143 @@
-"""What happens around the solver: starts and bounds found ahead of it."""
+"""What a strategy is: one step of a solve, which answers or hands on what it has learnt.
+
+Strategies run in the order of `stlc.solve.strategies.STRATEGIES`. Each takes the work as it
+stands (a compiled mission, the best point known, a proven bound) and returns either a Solution,
+which ends the solve, or the work with more known. All that a strategy may do to the model is to
+add rows that cut off no plan better than the incumbent, so every point stays a point of the
+compiled mission. What is where in the model, it learns from the receipts in `Compiled.layout`.
+"""
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
-from dataclasses import replace
-from functools import partial
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
-from stlc.backends.base import Backend, Capability, Solution, SolveOptions, Status
+from stlc.arrays import Floats
+from stlc.backends.base import Backend, Capability, Progress, Solution, SolveOptions, Status
 from stlc.milp.compile import Compiled
-from stlc.milp.model import Model
+from stlc.solve.deadline import Deadline
 
-_SMALL = 1500  # columns
-_MOMENT = 1.0  # s
-
-
-def run_strategy(
-    name: str, compiled: Compiled, backend: Backend, options: SolveOptions
-) -> Solution:
-    """`milp`: one plain solve. `auto`: small models are tried at once for a moment; teams that
-    minimise effort are bounded by what each agent does alone; links between moving agents have a
-    search of their own; else a start is looked for first where the model offers one, and one that
-    reaches a static bound is optimal and needs no solver."""
-    if name != "auto":
-        return solve_twice_if_infeasible(compiled.model, backend, options)
-    from stlc.solve.links.strategy import solve_links
-    from stlc.solve.parts.bounds import bounded, parts_of
-    from stlc.solve.parts.strategy import solve_team
-
-    began = time.perf_counter()
-    if _is_small(compiled) and Capability.TIME_LIMIT & backend.capabilities:
-        at_once = solve_twice_if_infeasible(compiled.model, backend, _moment(options))
-        if at_once.status in (Status.OPTIMAL, Status.INFEASIBLE):
-            return at_once
-        if options.start is None and Capability.START & backend.capabilities:
-            options = replace(options, start=at_once.x)
-    parts = parts_of(compiled, backend, options)
-    finish = partial(solve_twice_if_infeasible, compiled.model, backend)
-    if parts:
-        compiled = bounded(compiled, parts)
-        finish = partial(solve_team, compiled, parts, backend)
-    options = remaining(options, time.perf_counter() - began)
-    linked = solve_links(compiled, backend, options, finish)
-    if linked is not None:
-        return linked
-    if options.start is not None or parts:
-        return finish(options)
-    return _from_start(compiled, backend, options, finish)
+if TYPE_CHECKING:
+    from stlc.solve.alone.bounds import LoneRun
 
 
-def _from_start(
-    compiled: Compiled,
-    backend: Backend,
-    options: SolveOptions,
-    finish: Callable[[SolveOptions], Solution],
-) -> Solution:
-    """Look for a start; `finish` what it leaves open."""
-    from stlc.solve.heuristics.dive import find_start
+@dataclass(frozen=True, slots=True, eq=False)
+class Work:
+    """A solve under way.
 
-    began = time.perf_counter()
-    found = find_start(compiled, over=lambda: _is_over(options, began))
-    seconds = time.perf_counter() - began
-    if found is not None and found.is_optimal(options.gap):
-        return Solution(
-            Status.OPTIMAL, found.x, found.objective, found.bound, 0, seconds, "start search",
-            "start search over HiGHS LPs", message="the static bound is attained",
-        )  # fmt: skip
-    options = remaining(options, seconds)
-    if found is not None and Capability.START & backend.capabilities:
-        options = replace(options, start=found.x)
-    return finish(options)
-
-
-def _is_small(compiled: Compiled) -> bool:
-    """A team's model so small that a plain solve mostly ends before any search has begun."""
-    return len(compiled.states) > 1 and not compiled.robustness and compiled.model.columns <= _SMALL
-
-
-def remaining(options: SolveOptions, seconds: float) -> SolveOptions:
-    """Options with the time limit that is left after some seconds."""
-    if options.time_limit is None:
-        return options
-    return replace(options, time_limit=max(options.time_limit - seconds, 0.01))
-
-
-def _is_over(options: SolveOptions, began: float) -> bool:
-    """Asked to stop, or at the time limit."""
-    asked = options.should_stop is not None and options.should_stop()
-    limit = options.time_limit
-    return asked or (limit is not None and time.perf_counter() - began > limit)
-
-
-def _moment(options: SolveOptions) -> SolveOptions:
-    limit = _MOMENT if options.time_limit is None else min(_MOMENT, 0.1 * options.time_limit)
-    return replace(options, time_limit=limit)
-
-
-def solve_twice_if_infeasible(model: Model, backend: Backend, options: SolveOptions) -> Solution:
-    """Solve; where HiGHS says infeasible, hear it again without its presolve.
-
-    Presolve of HiGHS 1.15.1 has called feasible models infeasible. A second answer that is not
-    infeasible replaces the first, unless it only ran out of time.
+    `options.start` is the best point known (n,), found by `finder` ("" for one that was given);
+    `bound` is proven for all plans; `lone` are the agents of a team alone.
     """
-    first = backend.solve(model, options)
-    left = None if options.time_limit is None else options.time_limit - first.seconds
-    late = left is not None and left <= 0
-    if first.status is not Status.INFEASIBLE or backend.name != "highs" or late:
-        return first
-    plain = replace(options, time_limit=left, extra={**options.extra, "presolve": "off"})
-    again = backend.solve(model, plain)
-    return first if again.status in (Status.INFEASIBLE, Status.NO_SOLUTION) else again
+
+    compiled: Compiled
+    backend: Backend
+    options: SolveOptions
+    deadline: Deadline
+    bound: float = -math.inf
+    nodes: int = 0
+    finder: str = ""
+    lone: tuple[LoneRun, ...] = ()
+    began: float = field(default_factory=time.monotonic)
+
+    @staticmethod
+    def of(compiled: Compiled, backend: Backend, options: SolveOptions) -> Work:
+        """Work that begins now."""
+        return Work(compiled, backend, options, Deadline.of(options))
+
+    @property
+    def x(self) -> Floats | None:
+        """The incumbent (n,)."""
+        return self.options.start
+
+    @property
+    def value(self) -> float:
+        """Objective of the incumbent, infinite without one."""
+        return math.inf if self.x is None else self.compiled.model.objective(self.x)
+
+    @property
+    def seconds(self) -> float:
+        """Since it began."""
+        return time.monotonic() - self.began
+
+    def can(self, wanted: Capability) -> bool:
+        """Whether the backend has all these capabilities."""
+        return self.backend.capabilities & wanted == wanted
+
+    def asked(self) -> SolveOptions:
+        """Options of a solve by the backend that may take all the time that is left."""
+        start = self.x if self.can(Capability.START) else None
+        return replace(self.deadline.bind(self.options), start=start)
+
+    def with_point(self, x: Floats | None, finder: str) -> Work:
+        """With a point of the model (n,), if it is better than the incumbent; it is reported."""
+        if x is None or self.compiled.model.objective(x) >= self.value:
+            return self
+        found = replace(self, options=replace(self.options, start=x), finder=finder)
+        found.report(x)
+        return found
+
+    def with_bound(self, bound: float) -> Work:
+        """With a bound on all plans, if it is better."""
+        return replace(self, bound=bound) if bound > self.bound else self
+
+    def report(self, x: Floats | None = None) -> None:
+        """Tell where the solve stands, with a new point if there is one."""
+        if self.options.on_progress is not None:
+            value = None if self.x is None else self.value
+            known = min(self.bound, self.value) if math.isfinite(self.bound) else None
+            self.options.on_progress(Progress(self.seconds, value, known, self.nodes, x))
+
+    def proven(self) -> bool:
+        """Whether the bound proves the incumbent within the gap (and rounding)."""
+        slack = max(self.options.gap * abs(self.value), 1e-7) if self.x is not None else 0.0
+        return self.x is not None and self.bound >= self.value - slack
+
+    def answer(self, message: str = "") -> Solution:
+        """What is known, in a backend's words."""
+        status = Status.FEASIBLE if self.x is not None else Status.NO_SOLUTION
+        found = self.x is not None
+        version = self.backend.version()
+        return Solution(
+            Status.OPTIMAL if self.proven() else status,
+            self.x,
+            self.value if found else None,
+            min(self.bound, self.value) if math.isfinite(self.bound) else None,
+            self.nodes,
+            self.seconds,
+            self.backend.name,
+            f"{self.finder} over {version}" if self.finder else version,
+            message=message,
+        )
+
+    def concluded(self, found: Solution) -> Solution:
+        """A solver's answer, with the incumbent and the bound that were known before it."""
+        if found.status not in (Status.OPTIMAL, Status.FEASIBLE, Status.NO_SOLUTION):
+            return found
+        bound = self.bound if found.bound is None else max(self.bound, found.bound)
+        nodes = self.nodes + found.nodes if found.nodes is not None else self.nodes or None
+        if found.x is not None and found.objective is not None and found.objective <= self.value:
+            known = min(bound, found.objective) if math.isfinite(bound) else None
+            slack = self.options.gap * abs(found.objective) + 1e-9
+            proven = known is not None and known >= found.objective - slack
+            status = Status.OPTIMAL if proven else found.status
+            return replace(found, status=status, bound=known, nodes=nodes, seconds=self.seconds)
+        if self.x is None:
+            known = bound if math.isfinite(bound) else None
+            return replace(found, bound=known, nodes=nodes, seconds=self.seconds)
+        kept = replace(self, bound=bound, nodes=nodes or 0).answer(found.message)
+        proven = found.status is Status.OPTIMAL or kept.status is Status.OPTIMAL
+        return replace(
+            kept, status=Status.OPTIMAL if proven else Status.FEASIBLE, ignored=found.ignored
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Strategy:
+    """One step. `applies` is cheap and looks at the work alone; `run` answers or hands on."""
+
+    name: str
+    applies: Callable[[Work], bool]
+    run: Callable[[Work], Work | Solution]

@@ -10,7 +10,7 @@ from stlc.backends.base import Progress, SolveOptions
 from stlc.backends.conformance import knapsack
 from stlc.errors import SolverError, UsageError
 from stlc.milp.builder import ModelBuilder
-from stlc.solve.race import Finish, Racer, race
+from stlc.solve.racing.race import Finish, Racer, race
 
 HARD = knapsack(200, 30)
 
@@ -112,7 +112,7 @@ def test_names_must_differ() -> None:
 def test_a_cluster_races_too() -> None:
     from distributed import LocalCluster
 
-    from stlc.solve.cluster import race_on_cluster
+    from stlc.solve.racing.cluster import race_on_cluster
 
     with LocalCluster(
         n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None
@@ -126,8 +126,8 @@ def test_a_cluster_races_too() -> None:
 
 
 def test_an_unreachable_cluster_is_a_clear_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    from stlc.solve.cluster import race_on_cluster
+    from stlc.solve.racing.cluster import race_on_cluster
 
-    monkeypatch.setattr("stlc.solve.cluster._TIMEOUT", 1.0)
+    monkeypatch.setattr("stlc.solve.racing.cluster._TIMEOUT", 1.0)
     with pytest.raises(SolverError, match="cannot reach the cluster"):
         race_on_cluster("tcp://127.0.0.1:9", [Racer("a", "highs", HARD)])

@@ -125,7 +125,7 @@ def test_on_a_cluster(tmp_path: Path) -> None:
 
 
 def test_an_unreachable_cluster(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("stlc.solve.cluster._TIMEOUT", 0.5)
+    monkeypatch.setattr("stlc.solve.racing.cluster._TIMEOUT", 0.5)
     (tmp_path / "m.stl").write_text(MISSION)
     done = stlc("race", "m.stl", "--cluster", "tcp://127.0.0.1:9", folder=tmp_path)
     assert done.returncode == 5

@@ -20,6 +20,7 @@ from stlc.solve.links.recognise import recognise
 from stlc.solve.links.restrict import Frame
 from stlc.solve.links.search import Search
 from stlc.solve.links.session import Session
+from stlc.solve.strategy import Work
 
 MISSION = Path(__file__).parents[2] / "benchmarks" / "missions" / "two_agents_t4.stl"
 
@@ -29,7 +30,9 @@ def _searched() -> tuple[Search, Node]:
     compiled = Mission.from_file(MISSION).compile(compile_options("auto"))
     problem = recognise(compiled)
     assert problem is not None
-    session = Session(Frame(compiled, problem), get("highs"), SolveOptions(gap=1e-4))
+    session = Session(
+        Frame(compiled, problem), Work.of(compiled, get("highs"), SolveOptions(gap=1e-4))
+    )
     search = Search(session)
     root = search._root()
     assert root is not None

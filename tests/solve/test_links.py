@@ -15,7 +15,9 @@ from stlc.errors import InfeasibleError
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.solve.certify import certify
 from stlc.solve.links.recognise import recognise
-from stlc.solve.links.strategy import solve_links
+from stlc.solve.links.strategy import LINKS
+from stlc.solve.strategies import run_strategy
+from stlc.solve.strategy import Work
 from stlc.verify import verify
 
 FULL = os.environ.get("HYPOTHESIS_PROFILE") == "full"
@@ -46,8 +48,9 @@ def test_same_optimum_as_the_plain_milp(name: str, seed: int, tmp_path: Path) ->
     compiled = _compiled(tmp_path, seed, VARIANTS[name])
     backend, seen = backends.get("highs"), list[Progress]()
     plain = backend.solve(compiled.model, SolveOptions(gap=1e-6))
-    found = solve_links(compiled, backend, SolveOptions(gap=1e-6, on_progress=seen.append))
-    assert found is not None
+    found = run_strategy(
+        "links", compiled, backend, SolveOptions(gap=1e-6, on_progress=seen.append)
+    )
     assert found.status is plain.status
     if plain.objective is None:
         return
@@ -81,7 +84,8 @@ def test_plain_missions_are_left_alone(tmp_path: Path) -> None:
     )
     compiled = compile_mission(Mission.from_file(path))
     assert recognise(compiled) is None
-    assert solve_links(compiled, backends.get("highs"), SolveOptions()) is None
+    work = Work.of(compiled, backends.get("highs"), SolveOptions())
+    assert LINKS.run(work) is work
 
 
 def test_an_agent_on_a_face_counts_in_the_blocked_cell(tmp_path: Path) -> None:
@@ -103,8 +107,7 @@ def test_an_agent_on_a_face_counts_in_the_blocked_cell(tmp_path: Path) -> None:
         encoding="utf-8",
     )
     compiled = compile_mission(Mission.from_file(path))
-    found = solve_links(compiled, backends.get("highs"), SolveOptions(gap=1e-6))
-    assert found is not None
+    found = run_strategy("links", compiled, backends.get("highs"), SolveOptions(gap=1e-6))
     assert found.status is Status.OPTIMAL
     assert found.objective == pytest.approx(0.3, abs=1e-6)
 
@@ -113,7 +116,6 @@ def test_a_limit_leaves_a_valid_bound(tmp_path: Path) -> None:
     """Stopped at once, nothing is claimed."""
     compiled = _compiled(tmp_path, 0, VARIANTS["double"])
     options = SolveOptions(should_stop=lambda: True)
-    found = solve_links(compiled, backends.get("highs"), options)
-    assert found is not None
+    found = run_strategy("links", compiled, backends.get("highs"), options)
     assert found.status in (Status.NO_SOLUTION, Status.FEASIBLE)
     assert found.gap is None or found.gap >= 0

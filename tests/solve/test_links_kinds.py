@@ -21,7 +21,7 @@ from stlc.radio.partition import Partition
 from stlc.solve.links.problem import Axis, Body, Place
 from stlc.solve.links.reach import boxes_meet, tubes
 from stlc.solve.links.recognise import recognise
-from stlc.solve.links.strategy import solve_links
+from stlc.solve.strategies import run_strategy
 
 FULL = os.environ.get("HYPOTHESIS_PROFILE") == "full"
 SEEDS = range(5) if FULL else (1,)
@@ -53,8 +53,7 @@ def _agree(compiled: Compiled, backend: Backend | None = None) -> None:
     seen: list[Progress] = []
     plain = backends.get("highs").solve(compiled.model, SolveOptions(gap=1e-6))
     options = SolveOptions(gap=1e-6, on_progress=seen.append)
-    found = solve_links(compiled, backend or backends.get("highs"), options)
-    assert found is not None
+    found = run_strategy("links", compiled, backend or backends.get("highs"), options)
     assert found.status is plain.status
     if plain.objective is None:
         return

@@ -11,7 +11,7 @@ import pytest
 from stlc.analysis.reach import tidy
 from stlc.backends.base import Backend, Solution, SolveOptions, Status
 from stlc.milp.builder import ModelBuilder
-from stlc.solve.strategy import solve_twice_if_infeasible
+from stlc.solve.strategies import solve_twice_if_infeasible
 
 
 @dataclass

@@ -25,7 +25,8 @@ from stlc.solve.links.recognise import recognise
 from stlc.solve.links.restrict import Frame
 from stlc.solve.links.session import Session
 from stlc.solve.links.shares import coarsened
-from stlc.solve.links.strategy import solve_links
+from stlc.solve.strategies import run_strategy
+from stlc.solve.strategy import Work
 
 FULL = os.environ.get("HYPOTHESIS_PROFILE") == "full"
 VARIANTS = {
@@ -61,8 +62,9 @@ def test_same_optimum_as_the_plain_milp(name: str, seed: int, tmp_path: Path) ->
     compiled = _compiled(tmp_path, seed, VARIANTS[name])
     backend, seen = backends.get("highs"), list[Progress]()
     plain = backend.solve(compiled.model, SolveOptions(gap=1e-6))
-    found = solve_links(compiled, backend, SolveOptions(gap=1e-6, on_progress=seen.append))
-    assert found is not None
+    found = run_strategy(
+        "links", compiled, backend, SolveOptions(gap=1e-6, on_progress=seen.append)
+    )
     assert found.status is plain.status
     if plain.objective is None:
         return
@@ -83,8 +85,7 @@ def test_same_optimum_by_branching_alone(
     compiled = _compiled(tmp_path, seed, Variant(agents=3, steps=3, cells=4))
     backend = backends.get("highs")
     plain = backend.solve(compiled.model, SolveOptions(gap=1e-6))
-    found = solve_links(compiled, backend, SolveOptions(gap=1e-4))
-    assert found is not None
+    found = run_strategy("links", compiled, backend, SolveOptions(gap=1e-4))
     assert found.status is plain.status is Status.OPTIMAL
     assert plain.objective is not None
     assert found.objective == pytest.approx(plain.objective, rel=2e-4)
@@ -155,7 +156,7 @@ def test_what_is_dropped_holds_no_better_plan(seed: int, tmp_path: Path) -> None
     compiled = _compiled(tmp_path, seed, VARIANTS["three"])
     problem, backend = recognise(compiled), backends.get("highs")
     assert problem is not None
-    session = Session(Frame(compiled, problem), backend, SolveOptions(gap=1e-6))
+    session = Session(Frame(compiled, problem), Work.of(compiled, backend, SolveOptions(gap=1e-6)))
     best = backend.solve(compiled.model, SolveOptions(gap=1e-6))
     assert best.x is not None
     session.offer(best.x)

@@ -27,23 +27,10 @@ from stlc.milp.formulas.auto import choose
 from stlc.milp.formulas.choice import Alternative, Faces
 from stlc.milp.formulas.links import LinkEncoder
 from stlc.milp.formulas.selectors import ONE_HOT, FormulaEncoding
+from stlc.milp.layout import Encoded
 
 _TOP = -1
 _NONE = np.empty(0, np.int64)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Encoded:
-    """One requirement's formula and its literals, for reading a run back into the model.
-
-    `choices[or_node]` are (alternative, column) of the exclusive literals made for it (one tuple
-    for each place where it was expanded); `literals` are the nodes with a column of their own.
-    """
-
-    formula: Node
-    level: Level
-    choices: tuple[tuple[Or, tuple[tuple[Node, int], ...]], ...]
-    literals: Mapping[Node, int]
 
 
 @dataclass(slots=True)
@@ -60,16 +47,20 @@ class FormulaEncoder:
     _owners: dict[Node, frozenset[int]] = field(default_factory=dict)
     _literals: dict[Node, int] = field(default_factory=dict)
     _choices: list[tuple[Or, tuple[tuple[Node, int], ...]]] = field(default_factory=list)
+    _derived: list[Ints] = field(default_factory=list)
 
     def require(self, requirement: Requirement, level: Level) -> Encoded:
         """Assert a requirement's unrolled formula at its level."""
         self.level = level
         self._owners = _owners(requirement.formula)
         self._literals = {}
-        self._faces, self._choices = Faces(self.ctx, self.rho, level), []
+        self._faces = Faces(self.ctx, self.rho, level)
+        self._choices, self._derived = [], []
         self._assert(requirement.formula)
         self._faces.rows.flush(self.ctx.builder, f"stl_{requirement.name}")
-        return Encoded(requirement.formula, level, tuple(self._choices), dict(self._literals))
+        derived = np.concatenate([_NONE, *self._derived])
+        choices = tuple(self._choices)
+        return Encoded(requirement.formula, level, choices, dict(self._literals), derived)
 
     def _assert(self, root: Node) -> None:
         todo = [root]
@@ -110,7 +101,9 @@ class FormulaEncoder:
     ) -> Ints:
         """Literals of the alternatives and the rows that they switch on."""
         if not exclusive:
-            z = ONE_HOT.literals(self.ctx.builder, len(predicates)) if predicates else _NONE
+            if not predicates:
+                return _NONE
+            z = ONE_HOT.literals(self.ctx.builder, len(predicates)).columns
             for column, own in zip(z, predicates, strict=True):
                 self._faces.shared([int(column)], [own])
             return z
@@ -118,9 +111,10 @@ class FormulaEncoder:
         if encoding is None:
             encoding, reason = choose(predicates)
         self.reasons[f"{encoding.name}, {reason}"] += 1
-        z = encoding.literals(self.ctx.builder, len(predicates))
-        encoding.add_rows(self._faces, z, predicates, parents)
-        return z
+        literals = encoding.literals(self.ctx.builder, len(predicates))
+        self._derived.append(literals.derived)
+        encoding.add_rows(self._faces, literals.columns, predicates, parents)
+        return literals.columns
 
     def _descend(
         self, z: Iterable[int], gathered: Sequence[Alternative], *, exclusive: bool

@@ -24,6 +24,7 @@ from stlc.arrays import Floats, Ints
 from stlc.ir.nodes import Linear
 from stlc.milp.builder import ModelBuilder
 from stlc.milp.formulas.choice import Direction, Faces
+from stlc.milp.layout import Literals
 
 
 class Hull:
@@ -31,9 +32,9 @@ class Hull:
 
     name: ClassVar[str] = "hull"
 
-    def literals(self, builder: ModelBuilder, size: int) -> Ints:
+    def literals(self, builder: ModelBuilder, size: int) -> Literals:
         """One binary for each alternative."""
-        return builder.binary("z", (size,))
+        return Literals(builder.binary("z", (size,)))
 
     def add_rows(
         self,

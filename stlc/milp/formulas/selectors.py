@@ -31,6 +31,7 @@ from stlc.ir.nodes import Linear
 from stlc.milp.builder import ModelBuilder
 from stlc.milp.formulas.choice import Faces
 from stlc.milp.formulas.hull import Hull
+from stlc.milp.layout import Literals
 
 ENTRY_POINTS = "stlc.encodings"
 """Entry-point group of encodings, of formulas and of link tables."""
@@ -46,7 +47,7 @@ class FormulaEncoding(Protocol):
     def name(self) -> str:
         """Its name in options and reports."""
 
-    def literals(self, builder: ModelBuilder, size: int) -> Ints:
+    def literals(self, builder: ModelBuilder, size: int) -> Literals:
         """Columns z (size,) that are 0 or 1 at integer points; the caller adds sum z = P."""
 
     def add_rows(
@@ -64,10 +65,10 @@ class Selector:
     """Literals by `select`, rows by shared faces (or one literal at a time)."""
 
     name: str
-    select: Callable[[ModelBuilder, int], Ints]
+    select: Callable[[ModelBuilder, int], Literals]
     share: bool = True
 
-    def literals(self, builder: ModelBuilder, size: int) -> Ints:
+    def literals(self, builder: ModelBuilder, size: int) -> Literals:
         """Columns z (size,)."""
         return _one_hot(builder, size) if size <= FEW else self.select(builder, size)
 
@@ -86,21 +87,21 @@ class Selector:
             faces.shared([int(z)], [own])
 
 
-def _one_hot(builder: ModelBuilder, size: int) -> Ints:
-    return builder.binary("z", (size,))
+def _one_hot(builder: ModelBuilder, size: int) -> Literals:
+    return Literals(builder.binary("z", (size,)))
 
 
-def _unary(builder: ModelBuilder, size: int) -> Ints:
+def _unary(builder: ModelBuilder, size: int) -> Literals:
     """y_j - y_{j-1} - z_j = 0."""
     z = builder.add_columns("z", (size,), 0.0, 1.0)
     y = builder.binary("z_until", (size - 1,))
     builder.add_dense_rows("z_until", [[y[0], z[0]]], [1.0, -1.0], 0.0, 0.0)
     cols = np.column_stack([y[1:], y[:-1], z[1:-1]])
     builder.add_dense_rows("z_until", cols, [1.0, -1.0, -1.0], 0.0, 0.0)
-    return z
+    return Literals(z, y)
 
 
-def _log(builder: ModelBuilder, size: int) -> Ints:
+def _log(builder: ModelBuilder, size: int) -> Literals:
     """sum {z_i : bit b of gray(i)} - w_b = 0."""
     z = builder.add_columns("z", (size,), 0.0, 1.0)
     codes = np.arange(size) ^ (np.arange(size) >> 1)
@@ -111,7 +112,7 @@ def _log(builder: ModelBuilder, size: int) -> Ints:
         cols = np.concatenate([chosen, w[b : b + 1]])
         values = np.concatenate([np.ones(len(chosen)), [-1.0]])
         builder.add_rows("z_bit", np.zeros(len(cols), np.int64), cols, values, 0.0, 0.0)
-    return z
+    return Literals(z, w)
 
 
 ONE_HOT = Selector("onehot", _one_hot)

@@ -18,7 +18,6 @@ from stlc.milp.context import Affine, Context
 from stlc.milp.tables.encoding import Encoding, Size
 from stlc.milp.tables.errors import TableError
 from stlc.milp.tables.link import ends_of
-from stlc.milp.tables.pairs import PairColumns, made_pairs
 from stlc.milp.tables.registry import ENCODINGS, Choice, choose
 from stlc.milp.tables.threshold import literal
 
@@ -29,14 +28,12 @@ __all__ = [
     "ENCODINGS",
     "Choice",
     "Encoding",
-    "PairColumns",
     "Size",
     "TableError",
     "add_link_cost",
     "choose",
     "link_literal",
     "link_value",
-    "made_pairs",
 ]
 
 

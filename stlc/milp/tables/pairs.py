@@ -12,38 +12,14 @@ cells themselves need no columns.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from stlc.arrays import Floats, Ints
 from stlc.milp.context import Affine, Context
+from stlc.milp.layout import PairColumns
 from stlc.milp.tables.cells import cell_columns, marginals
 from stlc.milp.tables.link import Link
 from stlc.milp.tables.simplex import Kind, join
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PairColumns:
-    """The columns (k_a, k_b) of two ends' cells in reach at a step; cells number the partition."""
-
-    ends: tuple[str, str]
-    step: int
-    partition: bytes
-    cells: tuple[Ints, Ints]
-    columns: Ints
-
-
-def made_pairs(ctx: Context) -> tuple[PairColumns, ...]:
-    """All pair columns that were made while a model was built."""
-    found = []
-    for key, columns in ctx.memo.items():
-        if key[0] != "tables" or not key[1].startswith("pairs."):
-            continue
-        _, _, partition, ends, step = key
-        first, second = (ctx.memo["tables.reach", partition, end, step].cells for end in ends)
-        found.append(PairColumns(ends, step, partition, (first, second), columns))
-    return tuple(found)
 
 
 def pair_columns(ctx: Context, link: Link, kind: Kind) -> Ints:
@@ -76,6 +52,10 @@ def _pair_columns(ctx: Context, link: Link, kind: Kind) -> Ints:
             spread = np.broadcast_to(labels, shape).ravel()
             name = link.name(f"pair_end{end}_{number}")
             join(ctx.builder, name, spread, cols.ravel(), group.simplex)
+    first, second = (place.reach(ctx).cells for place in link.places)
+    ends = (link.ends[0], link.ends[1])
+    receipt = PairColumns(ends, link.step, link.spans.key, (first, second), cols)
+    ctx.layout.pairs.append(receipt)
     return cols
 
 

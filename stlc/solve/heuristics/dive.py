@@ -21,18 +21,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from stlc.analysis.conflicts import demands_of, find_conflicts
 from stlc.analysis.goals import Level
 from stlc.arrays import Floats, Ints
+from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
 from stlc.solve.heuristics.guides import guides
-
-if TYPE_CHECKING:
-    from stlc.milp.compile import Compiled
+from stlc.solve.strategy import Strategy, Work
 
 _FIRST_LIMIT = 30.0  # LPs before the first restart, at least
 _PER_CHOICE = 1.5  # and so many for each disjunction, to get to the bottom of a dive
@@ -90,11 +89,10 @@ def _static_bound(model: Model) -> float:
 
 
 def _covers(compiled: Compiled) -> bool:
-    known = {c for e in compiled.encoded for _, alts in e.choices for _, c in alts}
-    known.update(c for e in compiled.encoded for c in e.literals.values())
+    known = {c for e in compiled.layout.encoded for _, alts in e.choices for _, c in alts}
+    known.update(c for e in compiled.layout.encoded for c in e.literals.values())
     integers = np.flatnonzero(compiled.model.integrality)
-    derived = [b for b in compiled.model.col_blocks if b.name.startswith(("z_until", "z_bit"))]
-    known.update(c for b in derived for c in range(b.start, b.start + b.size))
+    known.update(map(int, compiled.layout.derived))
     return all(int(c) in known for c in integers)
 
 
@@ -138,7 +136,7 @@ class _Search:
         """The LP with rho at its target, and what is known of the alternatives."""
         model = compiled.model
         groups, asserted, demands = [], [], []
-        for one in compiled.encoded:
+        for one in compiled.layout.encoded:
             level = partial(_level, one.level, target)
             top = set(one.formula.children) | {one.formula}
             for node, pairs in one.choices:
@@ -355,3 +353,17 @@ def _load(model: Model, rho: int, target: float) -> Any:
         A.data, np.zeros(model.columns, np.int32),
     )  # fmt: skip
     return lp
+
+
+def _applies(work: Work) -> bool:
+    return work.x is None and None in work.compiled.robustness
+
+
+def _look_for_start(work: Work) -> Work:
+    found = find_start(work.compiled, over=work.deadline.over)
+    if found is None:
+        return work
+    return work.with_bound(found.bound).with_point(found.x, "start search")
+
+
+DIVE = Strategy("dive", _applies, _look_for_start)

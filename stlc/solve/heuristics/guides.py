@@ -88,7 +88,7 @@ def guides(compiled: Compiled, level_of: Callable[[Level], LevelOf]) -> Iterator
         if runs is None:
             continue
         liked = np.zeros(compiled.model.columns)
-        for one in compiled.encoded:
+        for one in compiled.layout.encoded:
             for _, pairs in one.choices:
                 values = np.array([robustness(part, runs) for part, _ in pairs])
                 if np.isfinite(values.max(initial=-np.inf)):
@@ -106,7 +106,7 @@ def _lattice_runs(
     for name, agent in compiled.mission.agents.items():
         asserted: dict[int, list[tuple[Node, LevelOf]]] = {}
         witnesses: list[tuple[Witness, LevelOf]] = []
-        for one in compiled.encoded:
+        for one in compiled.layout.encoded:
             level = level_of(one.level)
             for step, nodes in parts_by_step(one.formula, name).items():
                 asserted.setdefault(step, []).extend((n, level) for n in nodes)

@@ -151,7 +151,7 @@ def _asked_links(compiled: Compiled) -> Iterator[_Asked]:
     """
     if compiled.link not in ("auto", "unary", "lifted"):
         return
-    for one in compiled.encoded:
+    for one in compiled.layout.encoded:
         parts = one.formula.args if isinstance(one.formula, And) else (one.formula,)
         for node in () if one.level.goals else parts:
             link = node.arg if isinstance(node, Not) else node
@@ -313,7 +313,7 @@ def _faces(agent: Agent, axes: tuple[Axis, Axis]) -> Floats:
 
 def _asserted(compiled: Compiled) -> Iterator[tuple[Or, tuple[int, ...], float]]:
     """Disjunctions that must hold, their exclusive literals (if all have one), the margin."""
-    for one in compiled.encoded:
+    for one in compiled.layout.encoded:
         if one.level.goals:
             continue
         top = one.formula.args if isinstance(one.formula, And) else (one.formula,)

@@ -55,13 +55,12 @@ class Frame:
         self._csc = compiled.model.A.tocsc()
         self.blocks = self._pair_blocks()
         self._groups = groups_of(compiled, self._csc)
-        starts = {b.name: b.start for b in self.model.row_blocks}
-        self.dynamics = [starts[f"dynamics_{b.name}"] for b in problem.bodies]
+        self.dynamics = [compiled.layout.dynamics[b.name] for b in problem.bodies]
 
     def _pair_blocks(self) -> Mapping[tuple[int, int], tuple[PairBlock, ...]]:
         index = {b.name: i for i, b in enumerate(self.problem.bodies)}
         found: dict[tuple[int, int], list[PairBlock]] = {}
-        for made in self.compiled.pairs:
+        for made in self.compiled.layout.pairs:
             if made.partition != self.problem.key or any(e not in index for e in made.ends):
                 continue
             ends = (index[made.ends[0]], index[made.ends[1]])
@@ -227,9 +226,7 @@ def potentials(frame: Frame, bodies: Sequence[int], duals: Floats) -> Floats:
     pi = np.zeros((len(bodies), problem.steps + 1, 2, 2))
     for k, i in enumerate(bodies):
         body = problem.bodies[i]
-        n = frame.compiled.states[body.name].shape[1]
-        first = frame.dynamics[i]
-        y = duals[first : first + problem.steps * n].reshape(problem.steps, n)[1:]
+        y = duals[frame.dynamics[i]][1:]
         for d, axis in enumerate(body.axes):
             pi[k, 1 : problem.steps, d, 0] = y[:, axis.state]
             if axis.speed is not None:

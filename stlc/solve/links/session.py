@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from stlc.arrays import Bools, Floats
-from stlc.backends.base import Backend, Progress, SolveOptions, Status
+from stlc.backends.base import Progress, Status
 from stlc.solve.links.cells import cells_at, cheapest_cells, met
 from stlc.solve.links.problem import Problem
 from stlc.solve.links.restrict import Frame
+from stlc.solve.strategy import Work
 
 _TOUCH = 1e-6  # m: cells this close count as touched
 _ROOM = 0.3  # of a cell that a plan may be off its guide
@@ -28,28 +28,34 @@ _PROOF: dict[str, object] = {
 class Session:
     """The incumbent `x` of the full model with its `value`; `bound` proven for all plans."""
 
-    def __init__(self, frame: Frame, backend: Backend, options: SolveOptions) -> None:
-        self.frame, self.backend, self.options = frame, backend, options
+    def __init__(self, frame: Frame, work: Work) -> None:
+        self.frame, self.backend, self.options = frame, work.backend, work.options
         self.problem: Problem = frame.problem
-        self.began = time.perf_counter()
-        self.x: Floats | None = None
-        self.value, self.bound, self.nodes = float("inf"), -float("inf"), 0
+        self._work, self.deadline = work, work.deadline
+        self.x, self.value, self.bound, self.nodes = work.x, work.value, work.bound, 0
+
+    def work(self) -> Work:
+        """The work with what was found here."""
+        better = self.x is not None and self.value < self._work.value
+        options = replace(self._work.options, start=self.x)
+        return replace(
+            self._work, options=options, bound=self.bound, nodes=self._work.nodes + self.nodes,
+            finder="link search" if better else self._work.finder,
+        )  # fmt: skip
 
     @property
     def seconds(self) -> float:
-        """Seconds since it began."""
-        return time.perf_counter() - self.began
+        """Seconds since the work began."""
+        return self._work.seconds
 
     @property
     def left(self) -> float:
         """Seconds until the time limit."""
-        limit = _LONG if self.options.time_limit is None else self.options.time_limit
-        return limit - self.seconds
+        return min(self.deadline.left, _LONG)
 
     def stopped(self) -> bool:
         """At the time limit, or asked to stop."""
-        asked = self.options.should_stop
-        return self.left <= 0 or (asked is not None and asked())
+        return self.deadline.over()
 
     @property
     def cutoff(self) -> float:

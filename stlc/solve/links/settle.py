@@ -35,12 +35,7 @@ class Group:
 def groups_of(compiled: Compiled, csc: Any) -> tuple[Group, ...]:
     """Exclusive choices without cost; csc: the model's matrix by columns."""
     model = compiled.model
-    columns = [
-        np.array([column for _, column in pairs], np.int64)
-        for one in compiled.encoded
-        for node, pairs in one.choices
-        if len(pairs) == len(node.args)
-    ]
+    columns = [own for one in compiled.layout.encoded for _, own in one.whole_choices()]
     return tuple(_group(model, csc, c) for c in columns if not model.c[c].any())
 
 

@@ -13,10 +13,11 @@ from queue import Empty, SimpleQueue
 
 from stlc.backends.base import Progress, Solution, SolveOptions, Status
 from stlc.errors import SolverError, UsageError
+from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
 from stlc.solve.certify import Certified, certify
-from stlc.solve.child import Child
-from stlc.solve.messages import Failure, Task
+from stlc.solve.racing.child import Child
+from stlc.solve.racing.messages import Failure, Task
 
 _POLL = 0.05  # s
 _GRACE = 10.0  # s that a solver may overrun its own time limit
@@ -25,13 +26,22 @@ _PROOFS = (Status.OPTIMAL, Status.INFEASIBLE, Status.UNBOUNDED)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Racer:
-    """One entrant. Callbacks and `should_stop` of its options belong to the race instead."""
+    """One entrant: a strategy and a backend for a compiled mission, or a backend for a bare model.
+
+    Callbacks and `should_stop` of its options belong to the race instead.
+    """
 
     name: str  # such as 'highs:auto'
     backend: str
-    model: Model
+    work: Compiled | Model
     options: SolveOptions = field(default_factory=SolveOptions)
     memory: int | None = None  # bytes
+    strategy: str = "auto"  # of a compiled mission
+
+    @property
+    def model(self) -> Model:
+        """The model that answers are certified against."""
+        return self.work if isinstance(self.work, Model) else self.work.model
 
 
 class Finish(Enum):
@@ -194,12 +204,12 @@ def _finish(certified: Certified) -> Finish:
 
 def _start(racer: Racer, queue: SimpleQueue[_Message]) -> Child:
     options = replace(racer.options, on_progress=None, should_stop=None)
-    task = Task(racer.model, racer.backend, options, racer.memory)
+    task = Task(racer.work, racer.backend, options, racer.memory, racer.strategy)
 
     def tell(message: object | None) -> None:
         queue.put((racer.name, message))
 
-    return Child("stlc.solve.racer", f"racer {racer.name}", task, tell, racer.memory)
+    return Child("stlc.solve.racing.racer", f"racer {racer.name}", task, tell, racer.memory)
 
 
 def _late(racer: Racer, child: Child) -> bool:

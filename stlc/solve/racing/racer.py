@@ -1,4 +1,4 @@
-"""One racer in a process of its own: `python -m stlc.solve.racer`.
+"""One racer in a process of its own: `python -m stlc.solve.racing.racer`.
 
 Reads a pickled `Task` from standard input, writes framed, pickled messages to standard output:
 any number of `Progress`, then a `Certified`, or a `Failure`. When standard input ends, the race
@@ -11,8 +11,10 @@ import sys
 from dataclasses import replace
 from typing import IO
 
-from stlc.solve.child import end_with_input, limit_memory, private_output
-from stlc.solve.messages import Failure, Task, read_message, write_message
+from stlc.backends.base import Solution, SolveOptions
+from stlc.milp.model import Model
+from stlc.solve.racing.child import end_with_input, limit_memory, private_output
+from stlc.solve.racing.messages import Failure, Task, read_message, write_message
 
 
 def main() -> None:
@@ -27,7 +29,6 @@ def main() -> None:
 
 
 def _answer(task: Task, output: IO[bytes]) -> object:
-    from stlc import backends
     from stlc.errors import StlcError
     from stlc.solve.certify import certify
 
@@ -36,12 +37,21 @@ def _answer(task: Task, output: IO[bytes]) -> object:
 
     options = replace(task.options, on_progress=report)
     try:
-        solution = backends.get(task.backend).solve(task.model, options)
-        return certify(task.model, solution, options=options)
+        return certify(task.model, _solve(task, options), options=options)
     except StlcError as error:
         return Failure(str(error))
     except MemoryError:
         return Failure("it ran out of memory")
+
+
+def _solve(task: Task, options: SolveOptions) -> Solution:
+    from stlc import backends
+    from stlc.solve.strategies import run_strategy
+
+    backend = backends.get(task.backend)
+    if isinstance(task.work, Model):
+        return backend.solve(task.work, options)
+    return run_strategy(task.strategy, task.work, backend, options)
 
 
 if __name__ == "__main__":

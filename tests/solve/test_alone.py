@@ -7,13 +7,14 @@ from stlc import Mission, backends
 from stlc.backends.base import SolveOptions, Status
 from stlc.ir.nodes import Link, walk
 from stlc.milp.compile import Compiled
-from stlc.solve import strategy
-from stlc.solve.driver import judge_point
-from stlc.solve.parts.bounds import bounded, least, parts_of
-from stlc.solve.parts.joint import Joint
-from stlc.solve.parts.project import project
-from stlc.solve.parts.strategy import solve_team
-from stlc.solve.strategy import run_strategy
+from stlc.solve import strategies as strategy
+from stlc.solve.alone.bounds import bounded, least, lone_runs
+from stlc.solve.alone.project import project
+from stlc.solve.alone.strategy import LONE
+from stlc.solve.heuristics.prioritised import PRIORITISED, Joint
+from stlc.solve.judge import Judge
+from stlc.solve.strategies import run_strategies, run_strategy
+from stlc.solve.strategy import Work
 
 HIGHS = backends.get("highs")
 EXACT = SolveOptions(gap=1e-6)
@@ -84,25 +85,25 @@ def test_the_strategy_has_the_optimum_of_the_plain_model(
     if optimum is None:
         return
     assert found.objective == pytest.approx(optimum, rel=1e-5)
-    _, report = judge_point(task, compiled, found, EXACT)
+    _, report = Judge(task, compiled).judge(found, EXACT)
     assert report.ok, report.text()
 
 
 @pytest.mark.parametrize("seed", range(7))
-def test_parts_bound_the_optimum_and_their_rows_cut_no_plan_off(seed: int) -> None:
+def test_lone_runs_bound_the_optimum_and_their_rows_cut_no_plan_off(seed: int) -> None:
     compiled = mission(seed, agents=3).compile()
     _, optimum = plain(compiled)
-    parts = parts_of(compiled, HIGHS, EXACT)
+    lone = lone_runs(Work.of(compiled, HIGHS, EXACT))
     if optimum is None:
         return
-    assert [part.agent for part in parts] == ["r1", "r2", "r3"]
-    assert least(compiled, parts) <= optimum + 1e-6 * (1 + abs(optimum))
-    tight = bounded(compiled, parts)
+    assert [one.agent for one in lone] == ["r1", "r2", "r3"]
+    assert least(compiled, lone) <= optimum + 1e-6 * (1 + abs(optimum))
+    tight = bounded(compiled, lone)
     assert tight.model.rows == compiled.model.rows + 3
     assert plain(tight)[1] == pytest.approx(optimum, rel=1e-5)
     root = run_strategy("milp", tight, HIGHS, SolveOptions(gap=1e-6)).bound
     assert root is not None
-    assert root >= least(compiled, parts) - 1e-5
+    assert root >= least(compiled, lone) - 1e-5
 
 
 def test_a_team_that_gets_along_needs_no_solver_for_the_whole() -> None:
@@ -111,8 +112,7 @@ def test_a_team_that_gets_along_needs_no_solver_for_the_whole() -> None:
     text += REGIONS.format(low=1, high=5) + "require a: eventually r1 in east\n"
     text += "require b: eventually r2 in east\nrequire c: always separation(r1, r2) >= 0.2 m\n"
     compiled = Mission.from_text(text + "minimize effort").compile()
-    parts = parts_of(compiled, HIGHS, SolveOptions())
-    found = solve_team(bounded(compiled, parts), parts, HIGHS, SolveOptions())
+    found = run_strategies([LONE, PRIORITISED], Work.of(compiled, HIGHS, SolveOptions()))
     assert found.status is Status.OPTIMAL
     assert found.solver_version.startswith("agents alone")
 
@@ -127,8 +127,9 @@ def test_agents_in_each_others_way_are_planned_one_after_the_other(agents: int) 
         text += f"region goal{k} = {goal}\nrequire reach{k}: eventually r{k} in goal{k}\n"
     text += "require apart: forall (a, b) in pairs: always separation(a, b) >= 1.5 m\n"
     compiled = Mission.from_text(text + "minimize effort").compile()
-    parts = parts_of(compiled, HIGHS, EXACT)
-    joint = Joint(bounded(compiled, parts), parts, HIGHS, EXACT)
+    work = LONE.run(Work.of(compiled, HIGHS, EXACT))
+    assert isinstance(work, Work)
+    joint = Joint(work)
     assert joint._held(joint.alone) is None
     x = joint.run()
     assert x is not None
@@ -147,9 +148,9 @@ def test_projection_leaves_out_what_others_are_asked() -> None:
 @pytest.mark.parametrize(
     "objective", ["maximize robustness", "minimize link_cost(radio, (r1, r2))"]
 )
-def test_other_objectives_have_no_parts(objective: str) -> None:
+def test_other_objectives_have_no_lone_runs(objective: str) -> None:
     task = mission(1)
     text = task.source.text.rpartition("minimize")[0] + objective
     text = text.replace("require talk", "# require talk")
     compiled = Mission.from_text(text).compile()
-    assert parts_of(compiled, HIGHS, EXACT) == ()
+    assert not LONE.applies(Work.of(compiled, HIGHS, EXACT))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import IO
 
 from stlc.backends.base import SolveOptions
+from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
 
 _LENGTH = 8  # bytes before each message that give its size
@@ -14,12 +15,21 @@ _LENGTH = 8  # bytes before each message that give its size
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Task:
-    """What to solve, with what. `memory` [bytes] limits the data of the process."""
+    """What to solve, with what. `memory` [bytes] limits the data of the process.
 
-    model: Model
+    A compiled mission is solved by a strategy, a bare model by the backend.
+    """
+
+    work: Compiled | Model
     backend: str
     options: SolveOptions
     memory: int | None = None
+    strategy: str = "auto"
+
+    @property
+    def model(self) -> Model:
+        """The model that answers are certified against."""
+        return self.work if isinstance(self.work, Model) else self.work.model
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from typing import Any
 
 from stlc.backends.base import Progress
 from stlc.errors import SolverError
-from stlc.solve.race import Finish, Lap, Race, Racer, Report, best, check_names, race
+from stlc.solve.racing.race import Finish, Lap, Race, Racer, Report, best, check_names, race
 
 _POLL = 0.2  # s
 _TIMEOUT = 10.0  # s to reach the scheduler

@@ -10,18 +10,19 @@ over time are spread thinly in it. Alone, an agent's model is small and soon sol
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stlc.arrays import Floats, Ints
-from stlc.backends.base import Backend, Capability, Solution, SolveOptions, Status
+from stlc.backends.base import Capability, Solution, SolveOptions, Status
 from stlc.errors import InfeasibleError, SolverError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.milp.model import Block, Model, Origin
 from stlc.mission import TermKind
-from stlc.solve.parts.project import project
+from stlc.solve.alone.project import project
+from stlc.solve.strategy import Work
 
 _SLACK = 1e-6  # relative: solvers satisfy rows to within about this
 _MOST = 20.0  # s for one agent, and no more than a share of the time limit
@@ -33,7 +34,7 @@ Run = tuple[Floats, Floats]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Part:
+class LoneRun:
     """One agent alone: a lower bound of its effort, and the best run found, states (T+1, n) and
     inputs (T, m)."""
 
@@ -42,40 +43,39 @@ class Part:
     run: Run | None
 
 
-def parts_of(compiled: Compiled, backend: Backend, options: SolveOptions) -> tuple[Part, ...]:
-    """Each agent of a team alone.
-
-    Nothing for a single agent, where more than effort is minimised, by a solver that knows no
-    limits, or in less than a second.
-    """
-    if backend.capabilities & _NEEDED != _NEEDED or (options.time_limit or np.inf) < _LEAST:
-        return ()
-    mission = compiled.mission
+def has_lone_runs(work: Work) -> bool:
+    """A team that minimises nothing but effort, by a solver that knows limits, with some time."""
+    mission = work.compiled.mission
     kinds = {term.kind for term in mission.objective if term.weight != 0}
-    if len(mission.agents) < 2 or kinds != {TermKind.EFFORT}:
-        return ()
-    found = (_alone(compiled, name, backend, options) for name in mission.agents)
-    return tuple(part for part in found if part is not None)
+    team = len(mission.agents) > 1 and kinds == {TermKind.EFFORT}
+    return team and work.can(_NEEDED) and work.deadline.left >= _LEAST
 
 
-def _alone(compiled: Compiled, name: str, backend: Backend, options: SolveOptions) -> Part | None:
+def lone_runs(work: Work) -> tuple[LoneRun, ...]:
+    """Each agent of a team alone, as far as the time goes."""
+    found = (_alone(work, name) for name in work.compiled.mission.agents)
+    return tuple(lone for lone in found if lone is not None)
+
+
+def _alone(work: Work, name: str) -> LoneRun | None:
+    compiled = work.compiled
     mission = project(compiled.mission, (name,), compiled.channels)
-    if not mission.objective or (options.should_stop is not None and options.should_stop()):
+    if not mission.objective or work.deadline.over():
         return None
     try:
         alone = compile_mission(mission, CompileOptions(link=compiled.link))
-        found = backend.solve(alone.model, brief(options, 0.1 * options.gap))
+        found = work.backend.solve(alone.model, brief(work, 0.1 * work.options.gap))
     except (InfeasibleError, SolverError):
         return None  # it shows again, and is told, when the whole mission is solved
     if found.bound is None or found.status not in (Status.OPTIMAL, Status.FEASIBLE):
         return None
-    return Part(name, found.bound, _run(alone, found, name))
+    return LoneRun(name, found.bound, _run(alone, found, name))
 
 
-def brief(options: SolveOptions, gap: float) -> SolveOptions:
+def brief(work: Work, gap: float) -> SolveOptions:
     """Options of a solve on the way: a small share of the time, nothing reported."""
-    seconds = min(_MOST, _SHARE * (options.time_limit or np.inf))
-    return replace(options, time_limit=seconds, gap=gap, start=None, on_progress=None)
+    asked = work.deadline.share(_SHARE, _MOST).bind(work.options)
+    return replace(asked, gap=gap, start=None, on_progress=None)
 
 
 def _run(compiled: Compiled, found: Solution, name: str) -> Run | None:
@@ -85,30 +85,14 @@ def _run(compiled: Compiled, found: Solution, name: str) -> Run | None:
     return runs.states[name], runs.inputs[name]
 
 
-def bounded(compiled: Compiled, parts: Sequence[Part]) -> Compiled:
-    """The compiled mission with the parts' rows added at the end; columns stay as they are."""
-    shares = _shares(compiled)
-    rows = [(shares[part.agent], _safe(part.bound)) for part in parts]
+def bounded(compiled: Compiled, lone: Sequence[LoneRun]) -> Compiled:
+    """The compiled mission with their rows added at the end; columns stay as they are."""
+    shares = compiled.layout.effort
+    rows = [(shares[one.agent], _safe(one.bound)) for one in lone if one.agent in shares]
     rows = [(columns, bound) for columns, bound in rows if len(columns)]
     if not rows:
         return compiled
     return replace(compiled, model=_with_rows(compiled.model, rows))
-
-
-def _shares(compiled: Compiled) -> Mapping[str, Ints]:
-    """The cost columns of each agent: its states and inputs, and what rows tie to them alone."""
-    from scipy.sparse import csr_matrix
-
-    model, names = compiled.model, list(compiled.states)
-    own = np.zeros((model.columns, len(names)))
-    for k, name in enumerate(names):
-        own[np.concatenate([compiled.states[name].ravel(), compiled.inputs[name].ravel()]), k] = 1
-    pattern = csr_matrix((np.ones(model.nonzeros), model.A.indices, model.A.indptr), model.A.shape)
-    costs = np.flatnonzero(model.c)
-    near = (pattern.T.tocsr()[costs] @ (pattern @ own)) > 0
-    near = np.where(own[costs].any(1, keepdims=True), own[costs] > 0, near)
-    alone = near.sum(1) == 1
-    return {name: costs[near[:, k] & alone] for k, name in enumerate(names)}
 
 
 def _with_rows(model: Model, rows: Sequence[tuple[Ints, float]]) -> Model:
@@ -128,11 +112,11 @@ def _with_rows(model: Model, rows: Sequence[tuple[Ints, float]]) -> Model:
     )
 
 
-def least(compiled: Compiled, parts: Sequence[Part]) -> float:
-    """The parts' bounds together: no plan costs less. -inf where a part is missing."""
-    if len(parts) < len(compiled.states):
+def least(compiled: Compiled, lone: Sequence[LoneRun]) -> float:
+    """The bounds of all agents together: no plan costs less. -inf where an agent is missing."""
+    if len(lone) < len(compiled.states):
         return -np.inf
-    return compiled.model.offset + sum(_safe(part.bound) for part in parts)
+    return compiled.model.offset + sum(_safe(one.bound) for one in lone)
 
 
 def _safe(bound: float) -> float:

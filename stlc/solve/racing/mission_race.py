@@ -10,12 +10,10 @@ from typing import TYPE_CHECKING
 
 from stlc.backends.base import Progress, Solution, SolveOptions, Status
 from stlc.errors import (
-    DisagreementError,
     InfeasibleError,
     InterruptedSolveError,
     NoPlanError,
 )
-from stlc.solve.driver import judge_point
 from stlc.solve.events import (
     DiagnosticEvent,
     Listener,
@@ -24,13 +22,13 @@ from stlc.solve.events import (
     tell_warnings,
 )
 from stlc.solve.incumbent import Keeper
-from stlc.solve.race import Finish, Lap, Race, Racer, race
+from stlc.solve.judge import Judge
+from stlc.solve.racing.race import Finish, Lap, Race, Racer, race
 
 if TYPE_CHECKING:
     from stlc.milp.compile import Compiled
     from stlc.mission import Mission
     from stlc.plan import Plan
-    from stlc.verify import Report
 
 _OPINION = 60.0  # s that a second solver may take at least to confirm an infeasible claim
 
@@ -87,7 +85,7 @@ class Contest:
         return self._finish(result, winner.name, claim, winner.finish is Finish.PROOF)
 
     def _race(self, stop: Callable[[], bool]) -> Race:
-        from stlc.solve.cluster import race_on_cluster
+        from stlc.solve.racing.cluster import race_on_cluster
 
         def tell(name: str, progress: Progress) -> None:
             stop()  # somebody looks: whoever interrupts now need not break in
@@ -102,15 +100,12 @@ class Contest:
             return Race(None, ())
 
     def _keeper(self, racer: Racer) -> Keeper:
-        def judge(claim: Solution) -> tuple[Plan, Report]:
-            return self._judge(racer.name, claim)
-
-        now = time.perf_counter()
+        now, judge = time.perf_counter(), self._judge_of(racer.name).judge
         return Keeper(judge, self.listen, racer.backend, racer.backend, self.save_to, now)
 
-    def _judge(self, name: str, claim: Solution) -> tuple[Plan, Report]:
+    def _judge_of(self, name: str) -> Judge:
         encoding = name.partition(":")[2] or "auto"
-        return judge_point(self.mission, self.compiled[name], claim, encoding=encoding)
+        return Judge(self.mission, self.compiled[name], encoding)
 
     def _on_progress(self, name: str, p: Progress) -> None:
         self.listen(ProgressEvent(p.seconds, p.objective, p.bound, p.gap, p.nodes))
@@ -162,9 +157,7 @@ class Contest:
     def _finish(
         self, result: Race, name: str, claim: Solution, proven: bool, refused: str | None = None
     ) -> Result:
-        plan, report = self._judge(name, claim)
-        if not report.ok:
-            raise DisagreementError(f"{name}: the verifier refuses the plan\n{report.text()}")
+        plan, _ = self._judge_of(name).accept(claim)
         if self.save_to is not None:
             plan.write(self.save_to)
         return Result(plan, result, name, proven, refused)

@@ -40,7 +40,7 @@ def test_exact_guide_satisfies_the_mission() -> None:
     aim = 0.9 * one.robustness[None][2]
     liked = next(guides(one, lambda level: lambda unit: aim))
     assert ((liked >= 0) & (liked <= 1)).all()
-    for encoded in one.encoded:
+    for encoded in one.layout.encoded:
         for _, pairs in encoded.choices:
             assert sum(liked[column] == 1.0 for _, column in pairs) == 1
 

@@ -7,21 +7,18 @@ one agent after the other, and two at a time, answer the others best (coordinate
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
 
-import numpy as np
-
 from stlc.arrays import Floats
-from stlc.backends.base import Backend, SolveOptions
 from stlc.errors import InfeasibleError, SolverError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.milp.model import Model
+from stlc.solve.alone.bounds import Run, bounded, brief, least
+from stlc.solve.alone.project import project
 from stlc.solve.certify import continuous_part
 from stlc.solve.mip_start import hold
-from stlc.solve.parts.bounds import Part, Run, bounded, brief, least
-from stlc.solve.parts.project import project
+from stlc.solve.strategy import Strategy, Work
 
 _MANY = 4  # agents: two of fewer are nearly the whole
 _FAR = 0.1  # relative: a plan so far off is worth another one
@@ -35,16 +32,14 @@ _MOST = 60.0  # s
 class Joint:
     """A search for one plan `x` of the whole model, better and better."""
 
-    def __init__(
-        self, compiled: Compiled, parts: Sequence[Part], backend: Backend, options: SolveOptions
-    ) -> None:
-        self.compiled, self.backend, self.options = compiled, backend, options
-        self.began = time.perf_counter()
-        self.time = min(_MOST, _SHARE * (options.time_limit or np.inf))
-        self.parts, self.aim = parts, least(compiled, parts)
-        self.alone = {p.agent: p.run for p in parts if p.run is not None}
-        self.x: Floats | None = options.start
-        self.value = np.inf if self.x is None else compiled.model.objective(self.x)
+    def __init__(self, work: Work) -> None:
+        self.work, self.compiled, self.lone = work, work.compiled, work.lone
+        self.backend, self.gap = work.backend, work.options.gap
+        self.deadline = work.deadline.share(_SHARE, _MOST)
+        self.budget = min(_MOST, _SHARE * work.deadline.left)
+        self.aim = least(work.compiled, work.lone)
+        self.alone = {one.agent: one.run for one in work.lone if one.run is not None}
+        self.x, self.value = work.x, work.value
 
     def run(self) -> Floats | None:
         """The best plan that was found."""
@@ -64,7 +59,7 @@ class Joint:
         given up."""
         assert self.x is not None
         found = self._solve(continuous_part(self.compiled.model, self.x), 0.0, last=True)
-        self.x = self.options.start if found is None else found
+        self.x = self.work.x if found is None else found
 
     def _descend(self, names: Sequence[str]) -> None:
         """Let one agent, then two of many, answer the others anew, for as long as that helps."""
@@ -84,14 +79,14 @@ class Joint:
     def _cheap(self) -> bool:
         """Whether there is time to compile teams that grow by one agent after the other."""
         names = self.compiled.states
-        return len(names) == 2 or len(names) * self.compiled.stats.seconds < self.time
+        return len(names) == 2 or len(names) * self.compiled.stats.seconds < self.budget
 
     def _offer(self, x: Floats | None) -> bool:
         """Take x if it is better by the gap."""
         if x is None:
             return False
         value = self.compiled.model.objective(x)
-        if value >= self.value - self.options.gap * abs(value):
+        if value >= self.value - self.gap * abs(value):
             return False
         self.x, self.value = x, value
         return True
@@ -102,7 +97,7 @@ class Joint:
     def _solve(self, model: Model | None, rough: float, last: bool = False) -> Floats | None:
         if model is None or (self._over() and not last):
             return None
-        asked = brief(self.options, max(rough, self.options.gap))
+        asked = brief(self.work, max(rough, self.gap))
         try:
             return self.backend.solve(model, asked).x
         except SolverError:
@@ -110,11 +105,7 @@ class Joint:
 
     def _over(self) -> bool:
         """Whether the plan is optimal, its share of the time is over, or it was asked to stop."""
-        if not self._is_off(self.options.gap):
-            return True
-        stop = self.options.should_stop
-        late = time.perf_counter() - self.began > self.time
-        return late or (stop is not None and stop())
+        return not self._is_off(self.gap) or self.deadline.over()
 
     def _answer(self, free: Sequence[str]) -> Floats | None:
         """The best runs of some agents against those that the others have in `x`."""
@@ -141,4 +132,11 @@ class Joint:
             team = compile_mission(mission, CompileOptions(link=self.compiled.link))
         except InfeasibleError:
             return None
-        return bounded(team, [part for part in self.parts if part.agent in team.states])
+        return bounded(team, [one for one in self.lone if one.agent in team.states])
+
+
+def _join(work: Work) -> Work:
+    return work.with_point(Joint(work).run(), "agents alone")
+
+
+PRIORITISED = Strategy("prioritised", lambda work: bool(work.lone), _join)

@@ -18,7 +18,7 @@ from contextlib import suppress
 from typing import IO, cast
 
 from stlc.errors import SolverError
-from stlc.solve.messages import read_message, write_message
+from stlc.solve.racing.messages import read_message, write_message
 
 
 class Child:

@@ -1,0 +1,91 @@
+"""What each encoder put where: the receipts that searches around a Model read.
+
+Encoders return or record these while a model is built; nothing about a Model is ever learnt from
+names of its blocks or from the pattern of its matrix. Third-party encodings hand over the same
+receipts (`Literals` for a choice, `PairColumns` for cell pairs), and the conformance suite of
+encodings checks them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from stlc.analysis.goals import Level
+from stlc.arrays import Ints
+from stlc.ir.nodes import Node, Or
+
+_NONE = np.empty(0, np.int64)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Literals:
+    """Columns z (k,) of a choice, 0 or 1 at integer points, one for each alternative.
+
+    `derived` are further integer columns that follow from z: whoever fixes z has fixed them.
+    """
+
+    columns: Ints
+    derived: Ints = field(default_factory=lambda: _NONE)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Encoded:
+    """One requirement's formula and its literals.
+
+    `choices[or_node]` are (alternative, column) of the exclusive literals made for it (one tuple
+    for each place where it was expanded); `literals` are the nodes with a column of their own;
+    `derived` are integer columns that follow from those.
+    """
+
+    formula: Node
+    level: Level
+    choices: tuple[tuple[Or, tuple[tuple[Node, int], ...]], ...]
+    literals: Mapping[Node, int]
+    derived: Ints
+
+    def whole_choices(self) -> Iterable[tuple[Or, Ints]]:
+        """Disjunctions each of whose alternatives has a literal here, with those literals."""
+        for node, pairs in self.choices:
+            if len(pairs) == len(node.args):
+                yield node, np.array([column for _, column in pairs], np.int64)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PairColumns:
+    """The columns (k_a, k_b) of two ends' cells in reach at a step; cells number the partition."""
+
+    ends: tuple[str, str]
+    step: int
+    partition: bytes
+    cells: tuple[Ints, Ints]
+    columns: Ints
+
+
+@dataclass(slots=True, eq=False)
+class Layout:
+    """Receipts of one compiled mission.
+
+    states[agent] (T+1, n) and inputs[agent] (T, m) are columns; dynamics[agent] (T, n) the rows
+    of x(t+1) = A x(t) + B u(t) + drift; effort[agent] the columns that price its states and
+    inputs and nothing else; `encoded` one entry for each requirement.
+    """
+
+    states: dict[str, Ints] = field(default_factory=dict)
+    inputs: dict[str, Ints] = field(default_factory=dict)
+    dynamics: dict[str, Ints] = field(default_factory=dict)
+    effort: dict[str, Ints] = field(default_factory=dict)
+    encoded: tuple[Encoded, ...] = ()
+    pairs: list[PairColumns] = field(default_factory=list)
+
+    def add_effort(self, agent: str, columns: Ints) -> None:
+        """Note columns that price this agent alone."""
+        known = self.effort.get(agent, _NONE)
+        self.effort[agent] = np.union1d(known, columns).astype(np.int64)
+
+    @property
+    def derived(self) -> Ints:
+        """Integer columns that follow from the literals of formulas."""
+        return np.concatenate([_NONE, *(one.derived for one in self.encoded)])

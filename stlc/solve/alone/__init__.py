@@ -1,0 +1,1 @@
+"""Teams that minimise effort: what each agent does alone, as bound and start."""

@@ -1,1 +1,0 @@
-"""Missions of several agents, bounded and started from what each agent would do alone."""

@@ -1,0 +1,1 @@
+"""Several solvers, encodings and strategies against each other, here or on a cluster."""

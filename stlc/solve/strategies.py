@@ -1,0 +1,119 @@
+"""The strategies in their order, and how a solve runs through them.
+
+    brief        small team models: a plain solve for a moment
+    lone         teams that minimise effort: what each agent does alone, as rows and runs
+    links        links between moving agents: dynamic programming bounds, branch and bound
+    prioritised  teams that minimise effort: runs alone are joined to plans
+    dive         maximal robustness: a run at the static bound
+    milp         the compiled model, by the backend
+
+A package offers its own under the entry-point group `stlc.strategies`: a `Strategy` object; it
+runs before `milp`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from importlib.metadata import entry_points
+
+from stlc.backends.base import Backend, Capability, Solution, SolveOptions, Status
+from stlc.errors import UsageError
+from stlc.milp.compile import Compiled
+from stlc.milp.model import Model
+from stlc.solve.alone.strategy import LONE
+from stlc.solve.heuristics.dive import DIVE
+from stlc.solve.heuristics.prioritised import PRIORITISED
+from stlc.solve.links.strategy import LINKS
+from stlc.solve.strategy import Strategy, Work
+
+ENTRY_POINTS = "stlc.strategies"
+"""Entry-point group under which a package offers a `Strategy`."""
+
+_SMALL = 1500  # columns; measured: team models of that size mostly end within a moment
+_MOMENT, _SHARE = 1.0, 0.1  # s, and of the time limit
+
+
+def run_strategy(
+    name: str, compiled: Compiled, backend: Backend, options: SolveOptions
+) -> Solution:
+    """Solve by the strategies of that name (`strategies_named`). SolverError as the backend."""
+    return run_strategies(strategies_named(name), Work.of(compiled, backend, options))
+
+
+def run_strategies(strategies: Sequence[Strategy], work: Work) -> Solution:
+    """Run those that apply, in order, until one answers or the time is over."""
+    for strategy in strategies:
+        if not strategy.applies(work):
+            continue
+        step = strategy.run(work)
+        if isinstance(step, Solution):
+            return step
+        work = step
+        if work.proven() or (work.x is not None and work.deadline.over()):
+            break
+    return work.answer()
+
+
+def strategies_named(name: str) -> tuple[Strategy, ...]:
+    """`auto`: all of them; `milp`: one plain solve; any other: that one, then `milp`.
+
+    UsageError for a name that is not known.
+    """
+    every = (*STRATEGIES[:-1], *_offered(), STRATEGIES[-1])
+    if name == "auto":
+        return every
+    chosen = tuple(s for s in every if s.name == name)
+    if not chosen:
+        known = ", ".join(["auto", *(s.name for s in every)])
+        raise UsageError(f"no strategy is called '{name}'; there are: {known}")
+    return chosen if chosen[0] is MILP else (*chosen, MILP)
+
+
+def _offered() -> tuple[Strategy, ...]:
+    return tuple(point.load() for point in entry_points(group=ENTRY_POINTS))
+
+
+def _is_small(work: Work) -> bool:
+    """A team's model so small that a plain solve mostly ends before any search has begun."""
+    compiled = work.compiled
+    team = len(compiled.states) > 1 and not compiled.robustness
+    return team and compiled.model.columns <= _SMALL and work.can(Capability.TIME_LIMIT)
+
+
+def _try_briefly(work: Work) -> Work | Solution:
+    moment = work.deadline.share(_SHARE, _MOMENT)
+    found = solve_twice_if_infeasible(work.compiled.model, work.backend, moment.bind(work.asked()))
+    if found.status in (Status.OPTIMAL, Status.INFEASIBLE):
+        return found
+    if found.status is Status.FEASIBLE:
+        work = work.with_point(found.x, "")
+    return work if found.bound is None else work.with_bound(found.bound)
+
+
+def _solve_whole(work: Work) -> Solution:
+    """The compiled model by the backend; what was known before it stands if it is better."""
+    found = solve_twice_if_infeasible(work.compiled.model, work.backend, work.asked())
+    return work.concluded(found)
+
+
+def solve_twice_if_infeasible(model: Model, backend: Backend, options: SolveOptions) -> Solution:
+    """Solve; where HiGHS says infeasible, hear it again without its presolve.
+
+    Presolve of HiGHS 1.15.1 has called feasible models infeasible. A second answer that is not
+    infeasible replaces the first, unless it only ran out of time.
+    """
+    first = backend.solve(model, options)
+    left = None if options.time_limit is None else options.time_limit - first.seconds
+    late = left is not None and left <= 0
+    if first.status is not Status.INFEASIBLE or backend.name != "highs" or late:
+        return first
+    plain = replace(options, time_limit=left, extra={**options.extra, "presolve": "off"})
+    again = backend.solve(model, plain)
+    return first if again.status in (Status.INFEASIBLE, Status.NO_SOLUTION) else again
+
+
+BRIEF = Strategy("brief", _is_small, _try_briefly)
+MILP = Strategy("milp", lambda work: True, _solve_whole)
+STRATEGIES: tuple[Strategy, ...] = (BRIEF, LONE, LINKS, PRIORITISED, DIVE, MILP)
+"""Every strategy, in the order in which they run."""
