@@ -89,8 +89,8 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
     requirements = _requirements(statements, scope)
     terms = _objective(_of(statements, ast.Objective), scope)
     given = _horizon(_single(statements, ast.Horizon, report), scope)
-    least, plans = objective.last_step(terms), bool(scope.agents) and not report.errors
-    steps = horizon.derive(requirements, given, least, plans, report)
+    moves = None if report.errors else next((a.span for a in scope.agents.values()), None)
+    steps = horizon.derive(requirements, given, objective.last_step(terms), moves, report)
     mission = Mission(
         source=file.source,
         step=scope.step,

@@ -18,6 +18,7 @@ from stlc.ir.nodes import (
 from stlc.ir.requirement import Requirement
 from stlc.sema.report import Report
 from stlc.sema.time_errors import NoHorizon, PastHorizon
+from stlc.source import Span
 
 Temporal = Always | Eventually | Until | Release
 
@@ -60,20 +61,20 @@ def derive(
     requirements: Sequence[Requirement],
     given: int | None,
     least: int,
-    plans: bool,
+    agent: Span | None,
     report: Report,
 ) -> int:
     """T. Reports what looks past a given horizon, and a mission of unbounded operators alone.
 
-    `least` is the furthest step that the objective's windows name; without agents (`plans` false)
-    the formulas are for recorded signals, whose length is the horizon.
+    `least` is the furthest step that the objective's windows name; `agent` is where one is
+    declared, None where the formulas are for recorded signals, whose length is the horizon.
     """
     reach = Reach()
     needed = [reach.of(r.formula) for r in requirements]
     longest = max([least, *needed])
     if given is None:
-        if plans and longest == 0 and (reach.unbounded or not requirements):
-            _ask_for_horizon(requirements, report)
+        if agent and longest == 0 and (reach.unbounded or not requirements):
+            report.add(_no_horizon(requirements, agent))
         return max(longest, 1)
     for requirement, count in zip(requirements, needed, strict=True):
         if count > given:
@@ -81,9 +82,10 @@ def derive(
     return given
 
 
-def _ask_for_horizon(requirements: Sequence[Requirement], report: Report) -> None:
-    span = next((r.formula.span for r in requirements), None)
-    report.add(NoHorizon(span=span))
+def _no_horizon(requirements: Sequence[Requirement], agent: Span) -> NoHorizon:
+    if requirements:
+        return NoHorizon(span=requirements[0].formula.span)
+    return NoHorizon(span=agent, reason="no requirement says how long it moves")
 
 
 def _past(node: Node, at: int, horizon: int, reach: Reach) -> PastHorizon:

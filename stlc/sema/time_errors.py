@@ -64,8 +64,9 @@ class NoHorizon(Diagnostic):
 
     code: ClassVar[str] = "E0505"
     title: ClassVar[str] = "how long is the mission?"
-    label: ClassVar[str] = "unbounded, and no other requirement has an interval"
+    label: ClassVar[str] = "{reason}"
     help: ClassVar[str] = "add a line such as `horizon 20`, or give an interval"
+    reason: str = "unbounded, and no other requirement has an interval"
 
 
 class BadStep(Diagnostic):

@@ -1,0 +1,1 @@
+"""Damaged missions and what the commands make of them."""

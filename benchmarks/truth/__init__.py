@@ -1,0 +1,1 @@
+"""Continuous truth: random missions, and what their plans really do between the samples."""
