@@ -138,6 +138,10 @@ EXAMPLES: Final[dict[str, tuple[str, str]]] = {
         "agent c : double_integrator { start (1, 1); turn_rate on }",
         "agent c : double_integrator { start (1, 1); control |u| <= 1; speed <= 1; turn_rate on }",
     ),
+    "E0416": (
+        "region far = box [1e12, 2e12] x [0, 1]\nrequire a: eventually[0, 5] r1 in far",
+        "region far = box [8, 9] x [0, 1]\nrequire a: eventually[0, 5] r1 in far",
+    ),
     "E0501": (
         "step 0.5 s\nrequire a: eventually[0, 1.7 s] r1 in dock",
         "step 0.5 s\nrequire a: eventually[0, 2 s] r1 in dock",
@@ -227,6 +231,12 @@ EXAMPLES: Final[dict[str, tuple[str, str]]] = {
     "W1010": (
         "require a: always[0, 5] r1 in dock",
         "require a: always[4, 5] r1 in dock",
+    ),
+    "W1012": (
+        "obstacle a = box [3, 4] x [3, 4]\nobstacle b = box [4.0005, 5] x [3, 4]\n"
+        "require a: always[0, 5] forall o in obstacles: r1 outside o",
+        "obstacle a = box [3, 4] x [3, 4]\nobstacle b = box [4, 5] x [3, 4]\n"
+        "require a: always[0, 5] forall o in obstacles: r1 outside o",
     ),
     "W1011": (
         "agent c : double_integrator { start (1, 1); control u <= 1 }",

@@ -10,6 +10,7 @@ import numpy as np
 from stlc.ir.requirement import Requirement
 from stlc.mission import Agent, Mission, Obstacle, Polytope
 from stlc.sema import geometry
+from stlc.sema.gaps import narrow_gaps
 from stlc.sema.objective_errors import NeverTrue
 from stlc.sema.scope import Scope
 from stlc.sema.shape_errors import OutsideWorkspace, StartInObstacle, StartMisplaced
@@ -31,6 +32,8 @@ TOLERANCE = 1e-6
 def checked(mission: Mission, scope: Scope) -> Mission:
     """The mission with its warnings; mistakes go to the scope's report."""
     _places(mission, scope)
+    for warning in narrow_gaps(mission):
+        scope.report.add(warning)
     for agent in mission.agents.values():
         _start(agent, mission, scope)
     _requirements(mission, scope)
@@ -103,7 +106,7 @@ def _inside(agent: Agent, obstacle: Obstacle) -> bool:
     rows = agent.dynamics.position
     assert rows is not None, "only agents with a position are kept out of obstacles"
     place = np.asarray(rows @ agent.start)
-    return any(geometry.contains(piece, place, TOLERANCE) for piece in obstacle.frames[0])
+    return any(geometry.contains(piece, place, TOLERANCE) for piece in obstacle.barrier[0])
 
 
 # --- requirements --------------------------------------------------------------------------------

@@ -1,11 +1,8 @@
-"""Convex decomposition of polygons with holes into few pieces that overlap.
+"""Convex decomposition of polygons with holes into few pieces.
 
 A constrained Delaunay triangulation is merged greedily along shared edges while the union stays
-convex (Hertel and Mehlhorn, 1983), in several orders; the smallest result is kept.
-
-The pieces then grow a little over the cuts between them. Predicates are closed sets, so a point on
-a cut would be on the border of both neighbours and count as outside of each; where pieces overlap
-no point in the interior does. Their union is unchanged.
+convex (Hertel and Mehlhorn, 1983), in several orders; the smallest result is kept. The pieces
+touch along the cuts between them; `seams` closes those where pieces are kept out of.
 """
 
 from __future__ import annotations
@@ -14,7 +11,15 @@ from collections.abc import Callable, Sequence
 from math import hypot
 
 from stlc.mission import Polytope
-from stlc.sema.geometry import Point, is_convex, polytope, simplified, turn
+from stlc.sema.geometry import (
+    Point,
+    counter_clockwise,
+    is_convex,
+    polytope,
+    simplified,
+    turn,
+    without_repeats,
+)
 
 Ring = tuple[Point, ...]
 Edge = tuple[Point, Point]
@@ -26,13 +31,24 @@ class PolygonError(ValueError):
 
 def decompose(ring: Sequence[Point], holes: Sequence[Sequence[Point]] = ()) -> list[Polytope]:
     """Convex pieces whose union is the polygon [m]. Raises PolygonError."""
+    for corners in (ring, *holes):
+        _no_corner_twice(corners)
     outer = simplified(ring)
     if len(outer) < 3:
         raise PolygonError("it has no area")
     if not holes and is_convex(outer) and _simple_if_convex(outer):
         return [polytope(outer)]
-    pieces = merged(triangles(outer, holes))
-    return [polytope(simplified(p)) for p in overlapping(pieces)]
+    rings = (simplified(p) for p in merged(triangles(outer, holes)))
+    return [polytope(p) for p in rings if len(p) >= 3]
+
+
+def _no_corner_twice(ring: Sequence[Point]) -> None:
+    """A ring that comes back to a corner pinches the polygon; its interior isn't one piece."""
+    points = without_repeats(ring)
+    if len(set(points)) == len(points):
+        return
+    x, y = next(p for k, p in enumerate(points) if p in points[:k])
+    raise PolygonError(f"it comes to the corner ({x:g}, {y:g}) twice")
 
 
 def _simple_if_convex(ring: Sequence[Point]) -> bool:
@@ -43,7 +59,7 @@ def _simple_if_convex(ring: Sequence[Point]) -> bool:
 
 
 def triangles(ring: Sequence[Point], holes: Sequence[Sequence[Point]]) -> list[Ring]:
-    """Constrained Delaunay triangulation, counter-clockwise."""
+    """Constrained Delaunay triangulation, counter-clockwise; slivers are among them."""
     import shapely
 
     polygon = shapely.Polygon(ring, [list(h) for h in holes])
@@ -51,12 +67,15 @@ def triangles(ring: Sequence[Point], holes: Sequence[Sequence[Point]]) -> list[R
         reason = shapely.is_valid_reason(polygon).split("[")[0].strip().lower()
         raise PolygonError(_REASONS.get(reason, reason))
     parts = shapely.constrained_delaunay_triangles(polygon).geoms
-    return [tuple(simplified([(x, y) for x, y in p.exterior.coords[:-1]])) for p in parts]
+    return [counter_clockwise([(x, y) for x, y in p.exterior.coords[:-1]]) for p in parts]
 
 
 _REASONS = {
     "self-intersection": "its edges cross",
+    "ring self-intersection": "its edges touch",
     "hole lies outside shell": "a hole lies outside",
+    "holes are nested": "a hole lies in another",
+    "interior is disconnected": "a hole parts it in two",
     "too few points in geometry component": "it has too few corners",
 }
 
@@ -113,52 +132,3 @@ def _joined(a: Ring, b: Ring, edge: Edge) -> Ring | None:
         turn(union[k - 1], union[k], union[(k + 1) % count]) >= -tolerance for k in range(count)
     )
     return union if left else None
-
-
-def overlapping(pieces: list[Ring]) -> list[Ring]:
-    """Each piece with a low gable over every cut it shares with a later piece."""
-    owner = {e: k for k, ring in enumerate(pieces) for e in edges(ring)}
-    grown = []
-    for k, ring in enumerate(pieces):
-        points: list[Point] = []
-        for u, v in edges(ring):
-            points.append(u)
-            if owner.get((v, u), -1) > k:
-                points.append(_gable(ring, pieces[owner[(v, u)]], (u, v)))
-        grown.append(tuple(points))
-    return grown
-
-
-def _gable(own: Ring, other: Ring, edge: Edge) -> Point:
-    """A point beyond the middle of a cut, within the neighbour, that keeps the piece convex."""
-    u, v = edge
-    middle = ((u[0] + v[0]) / 2.0, (u[1] + v[1]) / 2.0)
-    length = _length(edge)
-    outward = ((v[1] - u[1]) / length, (u[0] - v[0]) / length)
-    height = 0.25 * length
-    while height > 1e-9 * length:
-        tip = (middle[0] + height * outward[0], middle[1] + height * outward[1])
-        if _inside(other, tip) and _room(own, edge, height):
-            return tip
-        height /= 2.0
-    return middle
-
-
-def _inside(ring: Ring, point: Point) -> bool:
-    return all(turn(a, b, point) >= 0 for a, b in edges(ring))
-
-
-def _room(ring: Ring, edge: Edge, height: float) -> bool:
-    """The gable's slope takes less than half of what each end lacks to a straight line."""
-    slope = height / (_length(edge) / 2.0)
-    at = ring.index(edge[0])
-    before, after = ring[at - 1], ring[(at + 2) % len(ring)]
-    return all(_bend(*corner) / 2.0 > slope for corner in (
-        (before, edge[0], edge[1]), (edge[0], edge[1], after)))  # fmt: skip
-
-
-def _bend(a: Point, b: Point, c: Point) -> float:
-    """Sine of the turn at b (0: straight), or 1 for a turn beyond a right angle."""
-    lengths = _length((a, b)) * _length((b, c))
-    dot = (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1])
-    return 1.0 if dot <= 0 else turn(a, b, c) / lengths

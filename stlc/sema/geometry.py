@@ -27,26 +27,42 @@ def turn(a: Point, b: Point, c: Point) -> float:
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
+def without_repeats(ring: Sequence[Point]) -> list[Point]:
+    """The ring without corners that repeat the one before (the first follows the last)."""
+    return [p for k, p in enumerate(ring) if p != ring[k - 1] or len(ring) == 1]
+
+
+def counter_clockwise(ring: Sequence[Point]) -> tuple[Point, ...]:
+    """The ring turned to run counter-clockwise."""
+    return tuple(ring) if not ring or area(ring) >= 0 else tuple(reversed(ring))
+
+
 def simplified(ring: Sequence[Point]) -> list[Point]:
-    """The ring counter-clockwise, without repeated corners and corners on a straight line."""
-    points = list(dict.fromkeys(ring))
-    if area(points) < 0:
-        points.reverse()
-    scale = _scale(points)
-    changed = True
-    while changed and len(points) > 2:
-        kept = [
-            p
-            for k, p in enumerate(points)
-            if abs(turn(points[k - 1], p, points[(k + 1) % len(points)])) > FLAT * scale
-        ]
-        changed = len(kept) < len(points)
-        points = kept
+    """The ring counter-clockwise, without repeated corners and corners on a straight line.
+
+    Corners go one at a time, so that a fine arc keeps its shape.
+    """
+    points = list(counter_clockwise(without_repeats(ring)))
+    flat = FLAT * _scale(points)
+    before = len(points) + 1
+    while 2 < len(points) < before:
+        before = len(points)
+        points = _straightened(points, flat)
     return points
 
 
+def _straightened(points: Sequence[Point], flat: float) -> list[Point]:
+    """Without corners on the line from the last corner kept to the next one."""
+    kept: list[Point] = []
+    for k, point in enumerate(points):
+        last = kept[-1] if kept else points[-1]
+        if abs(turn(last, point, points[(k + 1) % len(points)])) > flat:
+            kept.append(point)
+    return kept
+
+
 def _scale(points: Sequence[Point]) -> float:
-    xs, ys = [p[0] for p in points], [p[1] for p in points]
+    xs, ys = [p[0] for p in points] or [0.0], [p[1] for p in points] or [0.0]
     return max((max(xs) - min(xs)) ** 2 + (max(ys) - min(ys)) ** 2, 1e-300)
 
 

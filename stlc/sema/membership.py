@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from stlc.ir.nodes import And, Motion, Node, Or, Swept, Timed
-from stlc.mission import Polytope
+from stlc.mission import Polytope, Sweep
 from stlc.sema.compare import at_least_zero
 from stlc.sema.members import point
 from stlc.sema.name_errors import NotNegatable, WrongKind
 from stlc.sema.report import Mistake
 from stlc.sema.scalars import add, scale
 from stlc.sema.scope import Scope, as_scalar
+from stlc.sema.shape_errors import NoSwept
 from stlc.sema.swept import sweep
 from stlc.sema.units import METRE
 from stlc.sema.values import Env, Items, Place, Radio, Scalar, Value, describe
@@ -53,15 +56,54 @@ def _is_point(items: Items) -> bool:
 
 def _against(subject: Value, place: Place, expr: ast.Membership, scope: Scope) -> Node:
     where = point(subject, expr.subject.span)
-    relate: Callable[[Polytope], Node] = lambda piece: half_planes(  # noqa: E731
-        where, piece, expr.relation == "in", expr.span
-    )
-    join = Or if expr.relation == "in" else And
-    cases = tuple(_pieces(frame, relate, join, expr.span) for frame in place.frames)
-    node = cases[0] if len(cases) == 1 else Timed(cases, span=expr.span)
-    if not expr.swept:
-        return node
-    return replace(sweep(node, scope, expr.span), swept=_claim(subject, place, expr))
+    node = keep(where, _sweeps(place, expr), expr.relation == "in", expr.swept, scope, expr.span)
+    return replace(node, swept=_claim(subject, place, expr)) if expr.swept else node
+
+
+def _sweeps(place: Place, expr: ast.Membership) -> tuple[Sweep, ...]:
+    """Pieces to be in or out of at each step, and how they move to the next if that counts."""
+    if expr.relation == "outside":
+        still = tuple(Sweep(pieces) for pieces in place.barriers)
+        return place.sweeps if expr.swept else still
+    frames = place.frames
+    if not expr.swept or len(frames) == 1:
+        return tuple(Sweep(pieces) for pieces in frames)
+    moves = [_whole_move(place, t) for t in range(len(frames))]
+    if None in moves:
+        problem = "the obstacle changes its shape from step to step"
+        raise Mistake(NoSwept(span=expr.place.span, problem=problem))
+    return tuple(Sweep(p, m or (0.0, 0.0)) for p, m in zip(frames, moves, strict=True))
+
+
+def _whole_move(place: Place, step: int) -> tuple[float, float] | None:
+    """How all pieces move from a step to the next, None if they don't move alike."""
+    frames = place.frames
+    if step == len(frames) - 1:
+        return (0.0, 0.0)
+    now, then = (np.vstack([p.vertices for p in frames[t]]) for t in (step, step + 1))
+    if now.shape != then.shape or np.ptp(then - now, axis=0).max() > 1e-9:
+        return None
+    return float((then - now)[0, 0]), float((then - now)[0, 1])
+
+
+def keep(
+    where: tuple[Scalar, Scalar],
+    sweeps: Sequence[Sweep],
+    inside: bool,
+    swept: bool,
+    scope: Scope,
+    span: Span,
+) -> Node:
+    """Be within one of the pieces, or out of all, at each step or (`swept`) until the next."""
+    join = Or if inside else And
+    cases = []
+    for stay in sweeps:
+        parts = tuple(
+            half_planes(where, piece, inside, span, _Motion(stay.move, scope) if swept else None)
+            for piece in stay.pieces
+        )
+        cases.append(parts[0] if len(parts) == 1 else join(parts, span=span))
+    return cases[0] if len(cases) == 1 else Timed(tuple(cases), span=span)
 
 
 def _claim(subject: Value, place: Place, expr: ast.Membership) -> Swept | None:
@@ -72,17 +114,21 @@ def _claim(subject: Value, place: Place, expr: ast.Membership) -> Swept | None:
     return Swept(motion, subject.name, place=place.shape.name)
 
 
-def _pieces(
-    frame: tuple[Polytope, ...],
-    relate: Callable[[Polytope], Node],
-    join: type[And] | type[Or],
+@dataclass(frozen=True, slots=True)
+class _Motion:
+    """A condition that holds until the next step, while what it speaks of moves [m]."""
+
+    move: tuple[float, float]
+    scope: Scope
+
+
+def half_planes(
+    where: tuple[Scalar, Scalar],
+    piece: Polytope,
+    inside: bool,
     span: Span,
+    motion: _Motion | None = None,
 ) -> Node:
-    nodes = tuple(relate(piece) for piece in frame)
-    return nodes[0] if len(nodes) == 1 else join(nodes, span=span)
-
-
-def half_planes(where: tuple[Scalar, Scalar], piece: Polytope, inside: bool, span: Span) -> Node:
     """Inside: on the inner side of every face. Outside: on the outer side of some face."""
     sign = 1.0 if inside else -1.0
     faces = []
@@ -93,7 +139,11 @@ def half_planes(where: tuple[Scalar, Scalar], piece: Polytope, inside: bool, spa
             span,
         )
         depth = add(depth, Scalar(sign * float(offset), unit=METRE), span)
-        faces.append(at_least_zero(depth, span, positive=True))
+        face = at_least_zero(depth, span, positive=True)
+        if motion is not None:
+            change = sign * float(nx * motion.move[0] + ny * motion.move[1])
+            face = sweep(face, motion.scope, span, change)
+        faces.append(face)
     return And(tuple(faces), span=span) if inside else Or(tuple(faces), span=span)
 
 

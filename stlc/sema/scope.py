@@ -54,6 +54,7 @@ class Scope:
     memo: dict[Hashable, Node] = field(default_factory=dict)
     depth: int = 0
     step: float = 1.0
+    last_step: int = 0  # T as far as it is known, for obstacles that move for ever
     workspace: Polytope | None = None
     unread_workspace: bool = False  # it is declared, with a mistake
     models: dict[str, Dynamics] = field(default_factory=dict)

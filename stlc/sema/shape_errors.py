@@ -174,3 +174,17 @@ class TurnRateNeeds(Diagnostic):
     label: ClassVar[str] = "incomplete"
     help: ClassVar[str] = "add `speed <= ..` and `control |u| <= ..` to an agent with a velocity"
     what: str
+
+
+class FarAway(Diagnostic):
+    """A coordinate so large that doubles can't hold it to a fraction of a millimetre.
+
+    Solvers keep constraints to 1e-6; shapes a million kilometres from the origin lose that.
+    """
+
+    code: ClassVar[str] = "E0416"
+    title: ClassVar[str] = "the coordinate {value:g} m is too large"
+    label: ClassVar[str] = "beyond {limit:g} m"
+    help: ClassVar[str] = "put the origin of the mission near its workspace"
+    value: float
+    limit: float

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
-from stlc.mission import Obstacle, Polytope, Region
-from stlc.sema import geometry, jsonshapes
+from stlc.mission import Obstacle, Outline, Polytope, Region, Track
+from stlc.sema import geometry, jsonshapes, seams, tracks
 from stlc.sema.clock import steps
 from stlc.sema.decompose import PolygonError, decompose
 from stlc.sema.files import Files
@@ -13,13 +15,17 @@ from stlc.sema.geometry import Point
 from stlc.sema.name_errors import NotHere, WrongKind
 from stlc.sema.report import Mistake, Reported
 from stlc.sema.scope import Scope
-from stlc.sema.shape_errors import BadPolygon, EmptyBox
+from stlc.sema.shape_errors import BadPolygon, EmptyBox, FarAway
 from stlc.sema.units import METRE
 from stlc.sema.values import Items, Place, Scalar, describe
 from stlc.source import Span
 from stlc.syntax import ast
 
 Pieces = tuple[Polytope, ...]
+Outlines = tuple[Outline, ...]
+
+FURTHEST = 1e9
+"""Largest coordinate [m]: doubles are 1e-7 m apart there, a tenth of a solver's tolerance."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,17 +35,17 @@ class Shaper:
     scope: Scope
     files: Files
 
-    def pieces(self, shape: ast.Shape) -> Pieces:
-        """Convex pieces of a shape that doesn't move."""
+    def outlines(self, shape: ast.Shape) -> Outlines:
+        """Polygons of a shape that doesn't move, each known to be one."""
         match shape:
             case ast.Box():
                 return (self.box(shape),)
             case ast.PolygonShape():
-                ring = [self.point(e) for e in shape.ring]
-                holes = [[self.point(e) for e in hole] for hole in shape.holes]
-                return polygon(ring, holes, shape.span)
+                ring = tuple(self.point(e) for e in shape.ring)
+                holes = tuple(tuple(self.point(e) for e in hole) for hole in shape.holes)
+                return (self._checked(Outline(ring, holes), shape.span),)
             case ast.Union():
-                return tuple(p for part in shape.parts for p in self.pieces(part))
+                return tuple(o for part in shape.parts for o in self.outlines(part))
             case ast.NamedShape():
                 return self.named(shape.name)
             case ast.GeoJson():
@@ -47,28 +53,31 @@ class Shaper:
         hint = "only an obstacle can move; give it the name `obstacle .. = moving {..}`"
         raise Mistake(NotHere(span=shape.span, problem="this shape can't move", hint=hint))
 
-    def frames(self, shape: ast.Shape) -> tuple[Pieces, ...]:
-        """Pieces at each step; the last stays for ever."""
+    def pieces(self, shape: ast.Shape) -> Pieces:
+        """Convex pieces of a shape that doesn't move."""
+        return cut(self.outlines(shape), shape.span)
+
+    def _checked(self, outline: Outline, span: Span) -> Outline:
+        cut((outline,), span)
+        return outline
+
+    def track(self, shape: ast.Shape) -> Track:
+        """The shape at the steps that are given."""
         if not isinstance(shape, ast.Moving):
-            return (self.pieces(shape),)
-        known: dict[int, Pieces] = {}
-        for time, part in shape.frames:
-            known[steps(time, self.scope)] = self.pieces(part)
+            return Track(((0, self.outlines(shape)),))
+        known = {steps(time, self.scope): self.outlines(part) for time, part in shape.frames}
         if 0 not in known:
             hint = "say where it is at first: `moving { 0: box .. ; .. }`"
             raise Mistake(NotHere(span=shape.span, problem="nothing is said of step 0", hint=hint))
-        frames = [known[0]]
-        for step in range(1, max(known) + 1):
-            frames.append(known.get(step, frames[-1]))
-        return tuple(frames)
+        return Track(tuple(sorted(known.items())))
 
-    def box(self, shape: ast.Box) -> Polytope:
+    def box(self, shape: ast.Box) -> Outline:
         """An axis-aligned box."""
-        x, y = (self._extent(e, axis) for e, axis in ((shape.x, "x"), (shape.y, "y")))
-        return geometry.box(x, y)
+        (x0, x1), (y0, y1) = (self._extent(e, axis) for e, axis in ((shape.x, "x"), (shape.y, "y")))
+        return Outline(((x0, y0), (x1, y0), (x1, y1), (x0, y1)))
 
     def _extent(self, ends: tuple[ast.Expr, ast.Expr], axis: str) -> Point:
-        low, high = (self.scope.number(e, METRE) for e in ends)
+        low, high = (near(self.scope.number(e, METRE), e.span) for e in ends)
         if low >= high:
             span = ends[0].span.to(ends[1].span)
             raise Mistake(EmptyBox(span=span, axis=axis, low=low, high=high))
@@ -86,36 +95,52 @@ class Shaper:
 
     def _metres(self, value: object, span: Span) -> float:
         if isinstance(value, Scalar) and value.is_constant and value.unit in (None, METRE):
-            return value.constant
+            return near(value.constant, span)
         raise Mistake(WrongKind(span=span, expected="coordinates in m", found="something else"))
 
-    def named(self, name: ast.Ident) -> Pieces:
-        """Pieces of another region or obstacle (at step 0, before inflation)."""
+    def named(self, name: ast.Ident) -> Outlines:
+        """Polygons of another region or obstacle (at step 0, before inflation)."""
         value = self.scope.lookup(name.text, name.span)
         if isinstance(value, ast.RegionDecl | ast.ObstacleDecl):
             with self.scope.expanding(name.text, name.span):
-                return self.pieces(value.shape)
+                return self.outlines(value.shape)
         if isinstance(value, Place):
             shape = value.shape
-            return shape.pieces if isinstance(shape, Region) else shape.bodies[0]
+            if isinstance(shape, Region):
+                return shape.outlines
+            assert shape.track is not None, "a declared obstacle has its track"
+            return shape.track.frames[0][1]
         found = "something else" if isinstance(value, ast.Statement) else describe(value)
         raise Mistake(WrongKind(span=name.span, expected="a region or an obstacle", found=found))
 
-    def geojson(self, shape: ast.GeoJson) -> Pieces:
+    def geojson(self, shape: ast.GeoJson) -> Outlines:
         """Polygons of a GeoJSON file, in a local frame in metres."""
         text = self.files.text(shape.path.value, shape.path.span)
         feature = shape.feature.value if shape.feature else None
-        rings = jsonshapes.polygons(text, feature, shape.path)
-        return tuple(p for ring, holes in rings for p in polygon(ring, holes, shape.span))
+        found = []
+        for ring, holes in jsonshapes.polygons(text, feature, shape.path):
+            for x, y in (p for corners in (ring, *holes) for p in corners):
+                near(max(abs(x), abs(y)), shape.span)
+            outline = Outline(tuple(ring), tuple(tuple(hole) for hole in holes))
+            found.append(self._checked(outline, shape.span))
+        return tuple(found)
 
     def region(self, statement: ast.RegionDecl) -> None:
         """Declare a region."""
         name = statement.name.text
         try:
-            region = Region(name, self.pieces(statement.shape), statement.name.span)
+            outlines = self.outlines(statement.shape)
+            pieces = cut(outlines, statement.shape.span)
         except (Mistake, Reported):
             self.scope.broken.add(name)
             raise
+        region = Region(
+            name,
+            seams.overlapping(pieces),
+            statement.name.span,
+            outlines,
+            seams.closed(pieces, self.scope.workspace),
+        )
         self.scope.regions[name] = region
         self.scope.values[name] = Place(region)
 
@@ -123,13 +148,29 @@ class Shaper:
         """Declare an obstacle; inflation grows each piece, so the union grows by as much."""
         name = statement.name.text
         try:
-            bodies = self.frames(statement.shape)
+            track = self.track(statement.shape)
             grow = self._inflation(statement)
         except (Mistake, Reported):
             self.scope.broken.add(name)
             raise
+        self.place(name, track, grow, statement)
+
+    def place(self, name: str, track: Track, grow: float, statement: ast.ObstacleDecl) -> None:
+        """Work out where an obstacle is at each step that is known so far."""
+        outlines = tracks.placed(track, self.scope.step, self.scope.last_step)
+        bodies = _bodies(outlines, statement.shape.span)
         frames = tuple(tuple(geometry.inflated(p, grow) for p in body) for body in bodies)
-        obstacle = Obstacle(name, frames, bodies, grow, statement.name.span)
+        space = self.scope.workspace
+        obstacle = Obstacle(
+            name,
+            frames,
+            bodies,
+            grow,
+            statement.name.span,
+            track,
+            tuple(seams.closed(frame, space) for frame in frames),
+            tracks.sweeps(outlines, frames, space),
+        )
         self.scope.obstacles[name] = obstacle
         self.scope.values[name] = Place(obstacle)
 
@@ -145,11 +186,34 @@ class Shaper:
         return grow
 
 
-def polygon(ring: list[Point], holes: list[list[Point]], span: Span) -> Pieces:
-    """Convex pieces of a polygon with holes."""
-    if len(ring) < 3 or any(len(hole) < 3 for hole in holes):
+def cut(outlines: Outlines, span: Span) -> Pieces:
+    """Convex pieces of polygons with holes."""
+    return tuple(p for o in outlines for p in _polygon(o, span))
+
+
+def _polygon(outline: Outline, span: Span) -> Pieces:
+    if len(outline.ring) < 3 or any(len(hole) < 3 for hole in outline.holes):
         raise Mistake(BadPolygon(span=span, problem="it needs three corners or more"))
     try:
-        return tuple(decompose(ring, holes))
+        return tuple(decompose(outline.ring, outline.holes))
     except PolygonError as error:
         raise Mistake(BadPolygon(span=span, problem=str(error))) from None
+
+
+def _bodies(outlines: Sequence[Outlines], span: Span) -> tuple[Pieces, ...]:
+    """Pieces at each step; a shape that only moves keeps its pieces."""
+    found = [cut(outlines[0], span)]
+    for before, after in pairwise(outlines):
+        by = tracks.move(before, after)
+        if by is None:
+            found.append(cut(after, span))
+        else:
+            found.append(tuple(tracks.translated(p, by) if any(by) else p for p in found[-1]))
+    return tuple(found)
+
+
+def near(value: float, span: Span) -> float:
+    """A coordinate that a double tells from one a micrometre away. Raises Mistake."""
+    if not abs(value) <= FURTHEST:
+        raise Mistake(FarAway(span=span, value=value, limit=FURTHEST))
+    return value

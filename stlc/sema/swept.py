@@ -19,29 +19,35 @@ from stlc.source import Span
 Terms = tuple[tuple[Signal, float], ...]
 
 
-def sweep(node: Node, scope: Scope, span: Span) -> Node:
-    """Every linear leaf replaced by its conjunction over the Bezier points."""
+def sweep(node: Node, scope: Scope, span: Span, change: float = 0.0) -> Node:
+    """Every linear leaf replaced by its conjunction over the Bezier points.
+
+    `change` is how much each leaf's constant grows, evenly, from a step to the next.
+    """
     match node:
         case Linear():
-            return sweep_linear(node, scope, span)
+            return sweep_linear(node, scope, span, change)
         case And(args=args):
-            return replace(node, args=tuple(sweep(a, scope, span) for a in args))
+            return replace(node, args=tuple(sweep(a, scope, span, change) for a in args))
         case Or(args=args):
-            return replace(node, args=tuple(sweep(a, scope, span) for a in args))
+            return replace(node, args=tuple(sweep(a, scope, span, change) for a in args))
         case Timed(cases=cases):
-            return replace(node, cases=tuple(sweep(c, scope, span) for c in cases))
+            return replace(node, cases=tuple(sweep(c, scope, span, change) for c in cases))
         case Const():
             return node
     raise Mistake(NoSwept(span=span, problem="this is not a condition on positions"))
 
 
-def sweep_linear(node: Linear, scope: Scope, span: Span) -> Node:
+def sweep_linear(node: Linear, scope: Scope, span: Span, change: float = 0.0) -> Node:
     """The conjunction of a predicate at the Bezier points of the motion to the next step."""
     if any(signal.role is Role.FREE for signal, _ in node.terms):
         raise Mistake(NoSwept(span=span, problem="a recorded signal has no motion"))
     curved = any(_velocity_of(signal, scope) is not None for signal, _ in node.terms)
     stages = (0, 1, 2) if curved else (0, 2)
-    points = tuple(_at(node, stage, scope) for stage in stages)
+    points = tuple(
+        replace(point, constant=point.constant + change * stage / 2.0)
+        for stage, point in ((stage, _at(node, stage, scope)) for stage in stages)
+    )
     unique = tuple(dict.fromkeys(points))
     return unique[0] if len(unique) == 1 else And(unique, span=node.span)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from stlc.ir.nodes import Node, Quantity, Signal
-from stlc.mission import Agent, Obstacle, Polytope, Region, Station
+from stlc.mission import Agent, Obstacle, Polytope, Region, Station, Sweep
 from stlc.sema.units import Unit
 from stlc.syntax import ast
 
@@ -91,8 +91,19 @@ class Place:
 
     @property
     def frames(self) -> tuple[tuple[Polytope, ...], ...]:
-        """Pieces at each step; the last frame stays."""
+        """Pieces at each step, to be in; the last frame stays."""
         return self.shape.frames if isinstance(self.shape, Obstacle) else (self.shape.pieces,)
+
+    @property
+    def barriers(self) -> tuple[tuple[Polytope, ...], ...]:
+        """Pieces to keep out of at each step, seams closed; the last frame stays."""
+        return self.shape.barrier if isinstance(self.shape, Obstacle) else (self.shape.barrier,)
+
+    @property
+    def sweeps(self) -> tuple[Sweep, ...]:
+        """What to keep out of from each step to the next; the last one stays."""
+        shape = self.shape
+        return shape.sweeps if isinstance(shape, Obstacle) else (Sweep(shape.barrier),)
 
 
 @dataclass(frozen=True, slots=True)

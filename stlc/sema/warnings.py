@@ -136,3 +136,19 @@ class OneSided(Warn):
     name: str
     agent: str
     side: str
+
+
+class NarrowGap(Warn):
+    """Two obstacles, or an obstacle and the workspace's border, leave less than a millimetre.
+
+    What touches is closed; a gap of a micrometre or more is a way through, which a robot without
+    size takes. `inflate` gives robots a size.
+    """
+
+    code: ClassVar[str] = "W1012"
+    title: ClassVar[str] = "obstacle `{name}` leaves a gap of {gap:.3g} m to {what}"
+    label: ClassVar[str] = "nearly touches {what}"
+    help: ClassVar[str] = "let them touch to close the gap, or `inflate` by the size of the robot"
+    name: str
+    gap: float
+    what: str

@@ -8,13 +8,15 @@ from itertools import combinations
 from stlc.channels import ChannelTables
 from stlc.mission import Mission
 from stlc.plan import Plan
-from stlc.verify.continuous import Extremum, Path, distance, outside, paths, separation
+from stlc.verify.clearance import Chain, outside
+from stlc.verify.continuous import Extremum, Path, distance, paths, separation
 from stlc.verify.links import CellModel, TrueModel, link_series
 from stlc.verify.motion import motion_violations, norm_notes, residual
 from stlc.verify.objective import objective_violations, term_reports, total
 from stlc.verify.report import Clearance, Report
 from stlc.verify.requirements import judge, position_findings, requirement_violations
 from stlc.verify.robustness import Trace
+from stlc.verify.shapes import obstacle_body
 from stlc.verify.subject import Subject, make_subject, stale
 
 
@@ -36,7 +38,9 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
     length, signals = mission.horizon + 1, subject.signals
     sampled = Trace(length, signals, cells.robustness)
     motion = paths(mission, dict(plan.runs))
-    requirements = judge(mission, sampled, Trace(length, signals, true.robustness), motion)
+    chains = {name: Chain.of(path) for name, path in motion.items()}
+    true_links = Trace(length, signals, true.robustness)
+    requirements = judge(mission, sampled, true_links, motion, chains)
     terms = term_reports(subject, cells, sampled)
     objective = total(terms)
     findings = list(position_findings(mission, requirements))
@@ -55,7 +59,7 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
         objective,
         terms,
         _residual(mission, plan),
-        tuple(_clearances(mission, motion)),
+        tuple(_clearances(mission, motion, chains)),
         link_series(subject, cells, true),
     )
 
@@ -78,13 +82,15 @@ def _notes(subject: Subject) -> Iterator[str]:
         yield f"between samples the chord is judged for {', '.join(inexact)}"
 
 
-def _clearances(mission: Mission, motion: Mapping[str, Path]) -> Iterator[Clearance]:
+def _clearances(
+    mission: Mission, motion: Mapping[str, Path], chains: Mapping[str, Chain]
+) -> Iterator[Clearance]:
     """Closest approaches in continuous time to real obstacle bodies, buffers and other agents."""
     agents = [name for name in mission.agents if name in motion]
     for name in agents:
         for obstacle in mission.obstacles.values():
-            for what, frames in (("body", obstacle.bodies), ("buffer", obstacle.frames)):
-                found = outside(motion[name], frames)
+            for what, grow in (("body", 0.0), ("buffer", obstacle.inflate)):
+                found = outside(chains[name], obstacle_body(obstacle, mission.step, grow))
                 yield _closest(what, name, obstacle.name, found, mission.step)
     for one, other in combinations(agents, 2):
         relative = motion[one].minus(motion[other])

@@ -23,10 +23,12 @@ from stlc.ir.nodes import (
     walk,
 )
 from stlc.ir.requirement import Requirement
-from stlc.mission import Bound, Mission, Polytope
-from stlc.verify.continuous import Path, inside, outside, separation
+from stlc.mission import Bound, Mission
+from stlc.verify import clearance
+from stlc.verify.continuous import Path, separation
 from stlc.verify.report import RequirementReport, Violation
 from stlc.verify.robustness import Evaluator, Trace, unit
+from stlc.verify.shapes import Body, obstacle_body, region_body
 from stlc.verify.subject import TOLERANCE, Array
 
 TRUE_SLACK = 1e-4
@@ -34,11 +36,15 @@ TRUE_SLACK = 1e-4
 
 
 def judge(
-    mission: Mission, cells: Trace, true: Trace, motion: Mapping[str, Path]
+    mission: Mission,
+    cells: Trace,
+    true: Trace,
+    motion: Mapping[str, Path],
+    chains: Mapping[str, clearance.Chain],
 ) -> tuple[RequirementReport, ...]:
     """Reports on all requirements."""
     sampled, positions = Evaluator(cells), Evaluator(true)
-    dense = Evaluator(cells, SweptOverride(mission, motion))
+    dense = Evaluator(cells, SweptOverride(mission, motion, chains))
     return tuple(_report(r, sampled, positions, dense) for r in mission.requirements)
 
 
@@ -69,9 +75,15 @@ def _first(values: Array) -> float | None:
 class SweptOverride:
     """Robustness (T,) of a node that stands for a `swept` condition, None for others."""
 
-    def __init__(self, mission: Mission, motion: Mapping[str, Path]) -> None:
+    def __init__(
+        self,
+        mission: Mission,
+        motion: Mapping[str, Path],
+        chains: Mapping[str, clearance.Chain],
+    ) -> None:
         self._mission = mission
         self._motion = motion
+        self._chains = chains
 
     def __call__(self, node: Node) -> Array | None:
         swept = node.swept
@@ -86,22 +98,23 @@ class SweptOverride:
         )
 
     def _clearance(self, swept: Swept) -> Array:
-        path = self._motion[swept.agent]
         match swept.motion:
             case Motion.OUTSIDE:
-                return outside(path, self._frames(swept)).value
+                space = self._mission.workspace
+                return clearance.outside(self._chains[swept.agent], self._body(swept), space).value
             case Motion.INSIDE:
-                return inside(path, self._frames(swept)).value
+                return clearance.inside(self._chains[swept.agent], self._body(swept)).value
             case Motion.SEPARATION:
                 assert swept.other is not None
-                return separation(path.minus(self._motion[swept.other]), swept.distances).value
+                relative = self._motion[swept.agent].minus(self._motion[swept.other])
+                return separation(relative, swept.distances).value
 
-    def _frames(self, swept: Swept) -> Sequence[Sequence[Polytope]]:
+    def _body(self, swept: Swept) -> Body:
         assert swept.place is not None
         obstacle = self._mission.obstacles.get(swept.place)
         if obstacle is not None:
-            return obstacle.frames
-        return (self._mission.regions[swept.place].pieces,)
+            return obstacle_body(obstacle, self._mission.step, obstacle.inflate)
+        return region_body(self._mission.regions[swept.place], self._mission.step)
 
 
 def requirement_violations(

@@ -22,6 +22,7 @@ from stlc.sema.geometry import (
     simplified,
     within,
 )
+from stlc.sema.seams import closed
 
 Ring = list[Point]
 
@@ -59,7 +60,7 @@ def test_no_inner_point_is_on_the_border_of_all_its_pieces(
     ring: Ring, share: float, angle: float
 ) -> None:
     """A cut between pieces is inside: closed `outside` must not hold there."""
-    pieces = decompose(ring)
+    pieces = closed(decompose(ring), None)
     whole = shapely.Polygon(ring)
     centre = np.array([20 * share * math.cos(angle), 20 * share * math.sin(angle)])
     cuts = [

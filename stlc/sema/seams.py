@@ -1,0 +1,363 @@
+"""Closed seams: pieces to keep out of, without a way of no width between or past them.
+
+Predicates are closed sets, so `outside` holds on a border: where pieces P_1..P_n touch, a run may
+slide along the common border, though it is inside their union U; and along the workspace's border
+where a piece touches that. Here the pieces are grown, and small ones ("plugs") added, so that every
+point of int U is in the interior of some piece, and of a border contact likewise.
+
+Why that suffices. A point of int U in no open piece is on the border of every piece that holds it,
+so all such points lie on borders of two pieces that touch: on finitely many segments (a contact of
+two convex sets without common interior is a segment or a point) and single points.
+
+* A segment that is a whole face of one piece and within the other: the piece grows over it, by
+  moving the face (parallel, if that stays within the other) or by a gable, a corner beyond it.
+* Any other segment: a plug, a convex quadrilateral within both pieces with the segment as diagonal.
+  Both cover the segment but its ends, and leave U as it is.
+* Two pieces that meet in one point leave no free way through, though U's interior is parted there:
+  a plug of `PLUG` around it. It is the only thing that takes free space.
+* A face on the workspace's border moves beyond it, where nothing lives; a corner there gets a plug.
+* What is left are ends of segments and crossings of borders: vertices of the arrangement. Those in
+  int U get a plug within U.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stlc.mission import Array, Polytope
+from stlc.sema.geometry import (
+    Point,
+    contains,
+    corners,
+    counter_clockwise,
+    polytope,
+    simplified,
+    turn,
+)
+
+TOUCH = 1e-6
+"""Pieces this near touch [m]: a solver's tolerance, below which a gap is open to no one."""
+
+DEEP = 1e-5
+"""Pieces that overlap by this much need no more [m]: ten times a solver's tolerance."""
+
+PLUG = 1e-3
+"""Half the side of the plug where two pieces meet in a point [m]; below it a gap is warned of."""
+
+BEYOND = 0.1
+"""How far a face on the workspace's border moves, as a share of the workspace's size."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Contact:
+    """Where two pieces touch: a segment or a point (both ends alike).
+
+    `faces` are the indices of the face of each piece on the common line, None for a corner;
+    `whole` tells for each piece whether that face lies within the other's.
+    """
+
+    start: Array
+    end: Array
+    faces: tuple[int | None, int | None]
+    whole: tuple[bool, bool]
+
+    @property
+    def length(self) -> float:
+        """Length of the segment [m]."""
+        return float(np.hypot(*(self.end - self.start)))
+
+
+def closed(
+    pieces: Sequence[Polytope], space: Polytope | None, move: Point = (0.0, 0.0)
+) -> tuple[Polytope, ...]:
+    """The pieces of one union, grown and plugged; see the head of this file.
+
+    With a `move` [m], they are to be kept out of while they move by it: a contact with the
+    workspace's border that they leave is no contact.
+    """
+    grown = list(pieces)
+    plugs: list[Polytope] = []
+    if space is not None:
+        for k, piece in enumerate(grown):
+            grown[k], more = _past_border(piece, space, np.array(move))
+            plugs += more
+    plugs += _joined(grown)
+    everything = [*grown, *plugs]
+    if len(everything) > 2:
+        everything += _points(everything)
+    return tuple(everything)
+
+
+def overlapping(pieces: Sequence[Polytope]) -> tuple[Polytope, ...]:
+    """The pieces grown into one another where they touch, their union unchanged."""
+    grown = list(pieces)
+    _joined(grown)
+    return tuple(grown)
+
+
+def _joined(grown: list[Polytope]) -> list[Polytope]:
+    """Grow pieces over their contacts; the plugs for those that can't be."""
+    plugs: list[Polytope] = []
+    for i, j in _near(grown):
+        found = contact(grown[i], grown[j])
+        if found is not None:
+            plugs += _close(grown, (i, j), found)
+    return plugs
+
+
+def plugs_between(one: Sequence[Polytope], other: Sequence[Polytope]) -> tuple[Polytope, ...]:
+    """Plugs for the contacts of two unions that are both kept out of."""
+    found: list[Polytope] = []
+    for a in one:
+        for b in other:
+            met = contact(a, b) if _boxes_meet(a, b) else None
+            if met is not None:
+                found.append(_plug(a, b, met))
+    return tuple(found)
+
+
+# --- contacts ------------------------------------------------------------------------------------
+
+
+def _near(pieces: Sequence[Polytope]) -> list[tuple[int, int]]:
+    """Pairs whose boxes touch, in order."""
+    if len(pieces) < 2:
+        return []
+    low = np.array([p.vertices.min(axis=0) for p in pieces]) - TOUCH
+    high = np.array([p.vertices.max(axis=0) for p in pieces]) + TOUCH
+    pairs = []
+    for i in range(len(pieces) - 1):
+        meets = ((low[i + 1 :] <= high[i]) & (high[i + 1 :] >= low[i])).all(axis=1)
+        pairs += [(i, i + 1 + int(j)) for j in np.flatnonzero(meets)]
+    return pairs
+
+
+def _boxes_meet(a: Polytope, b: Polytope) -> bool:
+    low = np.maximum(a.vertices.min(axis=0), b.vertices.min(axis=0))
+    high = np.minimum(a.vertices.max(axis=0), b.vertices.max(axis=0))
+    return bool((low <= high + TOUCH).all())
+
+
+def apart(a: Polytope, b: Polytope) -> float:
+    """The widest strip along a face of either that parts the two [m]; below 0 they overlap."""
+    return max(float(_gaps(a, b).max()), float(_gaps(b, a).max()))
+
+
+def _gaps(a: Polytope, b: Polytope) -> Array:
+    """How far b lies beyond each face of a."""
+    return np.asarray((a.normals @ b.vertices.T).min(axis=1) - a.offsets)
+
+
+def contact(a: Polytope, b: Polytope) -> Contact | None:
+    """Where two pieces touch without a common interior; None if they overlap or are apart."""
+    gap = apart(a, b)
+    if not -DEEP <= gap <= TOUCH:
+        return None
+    mine, other = _gaps(a, b), _gaps(b, a)
+    owner, face = (a, int(mine.argmax())) if mine.max() >= other.max() else (b, int(other.argmax()))
+    normal = owner.normals[face] if owner is a else -owner.normals[face]
+    return _along(a, b, normal)
+
+
+def _along(a: Polytope, b: Polytope, normal: Array) -> Contact | None:
+    """The contact of two pieces that a line with this normal parts, a behind it."""
+    tangent = np.array([-normal[1], normal[0]])
+    (a0, a1), mine = _extent(a, normal, tangent)
+    (b0, b1), other = _extent(b, -normal, tangent)
+    low, high = max(a0, b0), min(a1, b1)
+    if high < low - TOUCH:
+        return None
+    level = float((a.vertices @ normal).max())
+    start, end = (level * normal + at * tangent for at in (low, max(low, high)))
+    whole = (a0 >= b0 - TOUCH and a1 <= b1 + TOUCH, b0 >= a0 - TOUCH and b1 <= a1 + TOUCH)
+    return Contact(start, end, (mine, other), whole)
+
+
+def _extent(
+    piece: Polytope, normal: Array, tangent: Array
+) -> tuple[tuple[float, float], int | None]:
+    """Where the part of a piece that is furthest along a normal lies, and its face if it is one."""
+    heights = piece.vertices @ normal
+    top = piece.vertices[heights >= heights.max() - DEEP] @ tangent
+    face = int((piece.normals @ normal).argmax())
+    flat = len(top) > 1 and float(np.ptp(top)) > PLUG
+    return (float(top.min()), float(top.max())), face if flat else None
+
+
+# --- closing -------------------------------------------------------------------------------------
+
+
+def _close(grown: list[Polytope], pair: tuple[int, int], met: Contact) -> list[Polytope]:
+    """Grow one of two touching pieces over the contact, or give a plug."""
+    for own, other in ((0, 1), (1, 0)):
+        face = met.faces[own]
+        if met.length > PLUG and met.whole[own] and face is not None:
+            piece = _over(grown[pair[own]], face, grown[pair[other]])
+            if piece is not None:
+                grown[pair[own]] = piece
+                return []
+    return [_plug(grown[pair[0]], grown[pair[1]], met)]
+
+
+def _over(piece: Polytope, face: int, other: Polytope) -> Polytope | None:
+    """The piece grown over a face into the other piece: parallel, or by a gable."""
+    room = float(np.ptp(other.vertices @ piece.normals[face])) / 2.0
+    while room > DEEP:
+        moved = shifted(piece, face, room)
+        if moved is not None and all(contains(other, p, -1e-9) for p in _ends(moved, face)):
+            return moved
+        room /= 2.0
+    return _gabled(piece, face, other)
+
+
+def _ends(piece: Polytope, face: int) -> tuple[Array, Array]:
+    """The two corners of a face."""
+    return piece.vertices[face], piece.vertices[(face + 1) % len(piece.vertices)]
+
+
+def shifted(piece: Polytope, face: int, distance: float) -> Polytope | None:
+    """The piece with one face moved outward [m]; None when that takes away or adds no face."""
+    count = len(piece.offsets)
+    before, after = piece.normals[face - 1], piece.normals[(face + 1) % count]
+    normal = piece.normals[face]
+    if min(_sine(before, normal), _sine(normal, after)) < 1e-6:
+        return None
+    offsets = piece.offsets.copy()
+    offsets[face] += distance
+    vertices = corners(piece.normals, offsets)
+    start, end = vertices[face], vertices[(face + 1) % count]
+    if float((end - start) @ np.array([-normal[1], normal[0]])) < TOUCH:
+        return None
+    return Polytope(piece.normals, offsets, vertices)
+
+
+def _sine(a: Array, b: Array) -> float:
+    return float(a[0] * b[1] - a[1] * b[0])
+
+
+def _gabled(piece: Polytope, face: int, other: Polytope) -> Polytope | None:
+    """The piece with a corner beyond the middle of a face, as far out as both pieces allow."""
+    (u, v), ring = _ends(piece, face), [_point(p) for p in piece.vertices]
+    height = 0.25 * float(np.hypot(*(v - u)))
+    while height > DEEP:
+        tip = (u + v) / 2.0 + height * piece.normals[face]
+        taller = [*ring[: face + 1], _point(tip), *ring[face + 1 :]]
+        if contains(other, tip, 0.0) and _turns_left(taller, face):
+            return polytope(simplified(taller))
+        height /= 2.0
+    return None
+
+
+def _turns_left(ring: list[Point], face: int) -> bool:
+    """The corners about a new one, `face` + 1, still turn left by a margin."""
+    count = len(ring)
+    around = [[ring[(face + k + d) % count] for d in (-1, 0, 1)] for k in (0, 1, 2)]
+    return all(turn(a, b, c) > 1e-9 * _square(a, b, c) for a, b, c in around)
+
+
+def _square(a: Point, b: Point, c: Point) -> float:
+    return max(abs(p[k] - b[k]) for p in (a, c) for k in (0, 1)) ** 2
+
+
+def _point(place: Array) -> Point:
+    return float(place[0]), float(place[1])
+
+
+def _plug(a: Polytope, b: Polytope, met: Contact) -> Polytope:
+    """A quadrilateral about a contact, within both pieces; a square about a point."""
+    middle = (met.start + met.end) / 2.0
+    if met.length <= PLUG:
+        return square(middle, PLUG)
+    tips = (_tip(piece, middle, met.length) for piece in (a, b))
+    shape = simplified([_point(p) for p in _around(met.start, met.end, *tips)])
+    return polytope(shape) if len(shape) == 4 else square(middle, PLUG)
+
+
+def _around(start: Array, end: Array, one: Array, other: Array) -> Iterator[Array]:
+    yield from (start, one, end, other)
+
+
+def _tip(piece: Polytope, middle: Array, length: float) -> Array:
+    """A point within a piece before the middle of a contact, a quarter of its length away."""
+    face = int((piece.normals @ middle - piece.offsets).argmax())
+    height = 0.25 * length
+    while height > TOUCH:
+        tip = middle - height * piece.normals[face]
+        if contains(piece, tip, 0.0):
+            return np.asarray(tip)
+        height /= 2.0
+    return middle
+
+
+def square(centre: Array, half: float) -> Polytope:
+    """An axis-aligned square."""
+    x, y = _point(centre)
+    ring = [(x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half)]
+    return polytope(ring)
+
+
+# --- the border and single points ----------------------------------------------------------------
+
+
+def _past_border(piece: Polytope, space: Polytope, move: Array) -> tuple[Polytope, list[Polytope]]:
+    """A piece that touches the workspace's border from within, carried beyond it."""
+    size = BEYOND * float(np.ptp(space.vertices, axis=0).max())
+    plugs: list[Polytope] = []
+    for normal, offset in zip(space.normals, space.offsets, strict=True):
+        reach = float((piece.vertices @ normal).max()) - float(offset)
+        if not -TOUCH <= reach <= PLUG or float(normal @ move) < -TOUCH:
+            continue
+        met = _on_border(piece, space, normal)
+        if met is None:
+            continue
+        face = met.faces[0]
+        moved = None if face is None else shifted(piece, face, size)
+        moved = moved or (None if face is None else shifted(piece, face, PLUG))
+        if moved is not None:
+            piece = moved
+        elif met.length > PLUG:
+            plugs.append(_bar(piece, met, normal))
+        else:
+            plugs.append(square((met.start + met.end) / 2.0, PLUG))
+    return piece, plugs
+
+
+def _on_border(piece: Polytope, space: Polytope, normal: Array) -> Contact | None:
+    """Where a piece lies on a face of the workspace."""
+    tangent = np.array([-normal[1], normal[0]])
+    (low, high), face = _extent(piece, normal, tangent)
+    (first, last), _ = _extent(space, normal, tangent)
+    if high < first - TOUCH or low > last + TOUCH:
+        return None
+    level = float((piece.vertices @ normal).max())
+    start, end = (level * normal + at * tangent for at in (low, high))
+    return Contact(start, end, (face, None), (True, False))
+
+
+def _bar(piece: Polytope, met: Contact, normal: Array) -> Polytope:
+    """A quadrilateral about a contact with the border, one tip within, the other beyond."""
+    middle = (met.start + met.end) / 2.0
+    inner, outer = _tip(piece, middle, met.length), middle + 0.25 * met.length * normal
+    ring = counter_clockwise([_point(p) for p in (met.start, inner, met.end, outer)])
+    return polytope(simplified(ring))
+
+
+def _points(pieces: Sequence[Polytope]) -> Iterable[Polytope]:
+    """Plugs for single points inside the union that no piece has inside."""
+    import shapely
+
+    rings = [shapely.Polygon(p.vertices) for p in pieces]
+    # Grown and shrunk again, the union has no slits from rounding.
+    whole = shapely.union_all([r.buffer(TOUCH, join_style="mitre") for r in rings])
+    whole = whole.buffer(-TOUCH - DEEP, join_style="mitre")
+    nodes = shapely.get_coordinates(shapely.union_all([r.boundary for r in rings]))
+    nodes = np.unique(nodes.round(9), axis=0)
+    inside = shapely.contains_xy(whole, nodes)
+    for place in nodes[inside]:
+        if any(contains(piece, place, TOUCH) for piece in pieces):
+            continue
+        depth = float(whole.boundary.distance(shapely.Point(place)))
+        yield square(place, min(PLUG, (depth + DEEP) / 2.0))

@@ -1,0 +1,120 @@
+"""Where a moving obstacle is at each step, and how it gets from one step to the next."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from stlc.mission import Outline, Polytope, Sweep, Track
+from stlc.sema.geometry import Point, polytope, simplified
+from stlc.sema.seams import closed
+
+Pieces = tuple[Polytope, ...]
+
+SAME = 1e-9
+"""Corners that move alike to within this much of the shape's size move as one."""
+
+
+def placed(track: Track, dt: float, last: int) -> list[tuple[Outline, ...]]:
+    """The polygons at each step from 0; what doesn't move for ever ends with its last frame."""
+    steps = [step for step, _ in track.frames]
+    count = max(steps[-1], last if track.velocity != (0.0, 0.0) else 0) + 1
+    found = []
+    for t in range(count):
+        k = max(i for i, step in enumerate(steps) if step <= t)
+        shape = track.frames[k][1]
+        if track.linear and k + 1 < len(steps):
+            share = (t - steps[k]) / (steps[k + 1] - steps[k])
+            shape = between(shape, track.frames[k + 1][1], share)
+        found.append(tuple(_moved(o, track.velocity, t * dt) for o in shape))
+    return found
+
+
+def alike(one: Sequence[Outline], other: Sequence[Outline]) -> bool:
+    """Whether the polygons have the same numbers of corners, so that one becomes the other."""
+    return [_sizes(o) for o in one] == [_sizes(o) for o in other]
+
+
+def _sizes(outline: Outline) -> tuple[int, ...]:
+    return (len(outline.ring), *(len(hole) for hole in outline.holes))
+
+
+def between(one: Sequence[Outline], other: Sequence[Outline], share: float) -> tuple[Outline, ...]:
+    """Polygons that are alike, each corner that share of its way along."""
+
+    def mixed(a: Sequence[Point], b: Sequence[Point]) -> tuple[Point, ...]:
+        rings = zip(a, b, strict=True)
+        return tuple((p[0] + share * (q[0] - p[0]), p[1] + share * (q[1] - p[1])) for p, q in rings)
+
+    pairs = zip(one, other, strict=True)
+    return tuple(
+        Outline(
+            mixed(a.ring, b.ring),
+            tuple(mixed(g, h) for g, h in zip(a.holes, b.holes, strict=True)),
+        )
+        for a, b in pairs
+    )
+
+
+def _moved(outline: Outline, velocity: Point, seconds: float) -> Outline:
+    if velocity == (0.0, 0.0):
+        return outline
+    dx, dy = velocity[0] * seconds, velocity[1] * seconds
+
+    def moved(ring: Sequence[Point]) -> tuple[Point, ...]:
+        return tuple((x + dx, y + dy) for x, y in ring)
+
+    return Outline(moved(outline.ring), tuple(moved(hole) for hole in outline.holes))
+
+
+def move(one: Sequence[Outline], other: Sequence[Outline]) -> Point | None:
+    """The translation that carries the first to the second, or None [m]."""
+    if not alike(one, other):
+        return None
+    a, b = corners_of(one), corners_of(other)
+    steps = b - a
+    if np.ptp(steps, axis=0).max() > SAME * max(float(np.ptp(a, axis=0).max()), 1.0):
+        return None
+    mean = steps.mean(axis=0)
+    return float(mean[0]), float(mean[1])
+
+
+def corners_of(outlines: Sequence[Outline]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    """All corners, those of holes included (n, 2) [m]."""
+    rings = [ring for o in outlines for ring in (o.ring, *o.holes)]
+    return np.vstack([np.array(ring, dtype=np.float64) for ring in rings])
+
+
+def translated(piece: Polytope, by: Point) -> Polytope:
+    """The piece moved [m]."""
+    step = np.array(by)
+    return Polytope(piece.normals, piece.offsets + piece.normals @ step, piece.vertices + step)
+
+
+def sweeps(
+    outlines: Sequence[tuple[Outline, ...]], frames: Sequence[Pieces], space: Polytope | None
+) -> tuple[Sweep, ...]:
+    """What to keep out of after each step; at the last the obstacle rests.
+
+    A shape that keeps its form moves with its pieces, exactly. Any other is within the convex
+    hulls of its polygons at both ends, corners moving straight; where the polygons have no match,
+    within the hull of all.
+    """
+    found = []
+    for t in range(len(frames) - 1):
+        by = move(outlines[t], outlines[t + 1])
+        if by is None:
+            found.append(Sweep(closed(_hulls(frames[t], frames[t + 1]), space)))
+        else:
+            found.append(Sweep(closed(frames[t], space, by), by))
+    return (*found, Sweep(closed(frames[-1], space)))
+
+
+def _hulls(one: Pieces, other: Pieces) -> Pieces:
+    import shapely
+
+    points = np.vstack([p.vertices for p in (*one, *other)])
+    hull = shapely.convex_hull(shapely.MultiPoint(points))
+    ring = [(float(x), float(y)) for x, y in hull.exterior.coords[:-1]]
+    return (polytope(simplified(ring)),)
