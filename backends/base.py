@@ -1,4 +1,4 @@
-"""What a backend is: a thin porch between our Model and one solver."""
+"""What a backend is: a thin adapter between our Model and one solver."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the porches share: the trivial model, ignored options, a cancellable worker thread."""
+"""What the adapters share: the trivial model, ignored options, a cancellable worker thread."""
 
 from __future__ import annotations
 

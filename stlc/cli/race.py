@@ -51,15 +51,15 @@ if TYPE_CHECKING:
 def race_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...],
                  **words: Any) -> int:  # fmt: skip
     """Solve FILE with several solvers and encodings at once; the first certified proof wins."""
-    from stlc.solve.racing.mission_race import Contest
+    from stlc.solve.racing.mission_race import MissionRace
 
     mission = load(file, define, allow_path)
     check_outputs(words["output"])
     compiled, racers = _enter(mission, words)
     tell = listener(words["style"])
     with interruptible() as stop:
-        contest = Contest(mission, compiled, racers, tell, words["output"], words["cluster"])
-        result = contest.run(stop)
+        race = MissionRace(mission, compiled, racers, tell, words["output"], words["cluster"])
+        result = race.run(stop)
     click.echo(json.dumps(_as_dict(result), indent=2) if words["as_json"] else _summary(result))
     if result.refused is not None:
         complain(result.refused)

@@ -31,7 +31,7 @@ from stlc.solve.events import (
     ignore,
     tell_warnings,
 )
-from stlc.solve.incumbent import Keeper
+from stlc.solve.incumbent import Incumbent
 from stlc.solve.judge import Judge
 from stlc.solve.supervise import Supervisor
 
@@ -154,13 +154,13 @@ class _Job:
     began: float
     encoding: str
     judge: Judge = field(init=False)
-    keeper: Keeper = field(init=False)
+    incumbent: Incumbent = field(init=False)
     _stopped: bool = False
     _refused: str | None = None
 
     def __post_init__(self) -> None:
         self.judge = Judge(self.mission, self.compiled, self.encoding)
-        self.keeper = Keeper(
+        self.incumbent = Incumbent(
             self.judge.judge, self.listen, self.backend.name, self.backend.version(),
             self.settings.save_to, self.began,
         )  # fmt: skip
@@ -219,7 +219,7 @@ class _Job:
         s = self.settings
         start = None if s.start is None else complete_start(self.compiled, s.start)
         if start is not None:
-            self.keeper.take(start, self.compiled.model.objective(start))
+            self.incumbent.take(start, self.compiled.model.objective(start))
         elif s.start is not None:
             text = "the start plan is no plan for this mission; it was left out"
             self.listen(DiagnosticEvent("warning", text))
@@ -235,28 +235,28 @@ class _Job:
         seconds = time.perf_counter() - self.began
         where = (progress.objective, progress.bound, progress.gap, progress.nodes)
         self.listen(ProgressEvent(seconds, *where))
-        self.keeper.raise_bound(progress.bound)
+        self.incumbent.raise_bound(progress.bound)
         if progress.incumbent is not None:
             x = progress.incumbent
-            self.keeper.take(x, self.compiled.model.objective(x))
+            self.incumbent.take(x, self.compiled.model.objective(x))
 
     def _is_kept(self, solution: Solution) -> bool:
         """Stopped early, with nothing better than what was verified and saved already?"""
         if solution.status is Status.NO_SOLUTION:
-            return self._stopped or self.keeper.plan is not None
-        worse = solution.objective is not None and solution.objective >= self.keeper.objective
+            return self._stopped or self.incumbent.plan is not None
+        worse = solution.objective is not None and solution.objective >= self.incumbent.objective
         return solution.status is Status.FEASIBLE and worse
 
     def _stand(self, took: dict[str, float]) -> Outcome:
         """What is in hand when the solver ended early or was left behind."""
-        standing = self.keeper.standing()
+        standing = self.incumbent.standing()
         if self._stopped:
             self.listen(StatusEvent("stop", "interrupted"))
         if standing is None:
-            bound = _bound_text(self.keeper.bound)
+            bound = _bound_text(self.incumbent.bound)
             if self._stopped:
                 raise InterruptedSolveError(f"interrupted before a plan was found{bound}")
-            raise NoPlanError(_no_plan(self.settings, self.backend.version(), self.keeper.bound))
+            raise NoPlanError(_no_plan(self.settings, self.backend.version(), self.incumbent.bound))
         plan, report, solution = standing
         plan = replace(plan, solve=replace(plan.solve, seconds=took))
         return self._hand_over(Outcome(plan, report, self.compiled, solution, took))
@@ -315,7 +315,7 @@ class _Job:
         from stlc.solve.certify import refusal
         from stlc.solve.confirm import RefutedError, confirm_infeasible
 
-        if self.keeper.plan is not None:
+        if self.incumbent.plan is not None:
             problem = "it claims infeasible, but a verified plan is in hand"
             self._refused = str(refusal(solution, problem))
             return self._stand(seconds)
@@ -334,8 +334,8 @@ class _Job:
         self._refused = str(refuted)
         second = self.backend = refuted.by
         self.listen(DiagnosticEvent("warning", f"{refuted}; {second.version()} goes on from there"))
-        self.keeper.solver, self.keeper.version = second.name, second.version()
-        self.keeper.take(refuted.x, self.compiled.model.objective(refuted.x))
+        self.incumbent.solver, self.incumbent.version = second.name, second.version()
+        self.incumbent.take(refuted.x, self.compiled.model.objective(refuted.x))
         asked = replace(
             asked, start=refuted.x, on_progress=self._on_progress, should_stop=self.should_stop
         )

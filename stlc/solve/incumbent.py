@@ -20,7 +20,7 @@ Judge = Callable[[Solution], "tuple[Plan, Report]"]
 
 
 @dataclass(slots=True)
-class Keeper:
+class Incumbent:
     """Judges incumbents as they come and saves the best at once, so that an end loses nothing.
 
     `judge` certifies a claim and verifies its plan; `bound` is the best that was reported.

@@ -24,7 +24,7 @@ from stlc.milp.model import Model
 from stlc.solve.alone.strategy import LONE
 from stlc.solve.heuristics.dive import DIVE
 from stlc.solve.heuristics.prioritised import PRIORITISED
-from stlc.solve.links.strategy import LINKS
+from stlc.solve.link_search import LINKS
 from stlc.solve.strategy import Strategy, Work
 
 ENTRY_POINTS = "stlc.strategies"

@@ -11,15 +11,15 @@ from stlc import Mission
 from stlc.backends import get
 from stlc.backends.base import SolveOptions
 from stlc.milp.encodings import compile_options
-from stlc.solve.links.arcs import Arcs
-from stlc.solve.links.ascent import ascend, shares, smoothed
-from stlc.solve.links.cuts import best_cut
-from stlc.solve.links.joint import Joint
-from stlc.solve.links.node import Node, with_cut
-from stlc.solve.links.recognise import recognise
-from stlc.solve.links.restrict import Frame
-from stlc.solve.links.search import Search
-from stlc.solve.links.session import Session
+from stlc.solve.bounders.arcs import Arcs
+from stlc.solve.bounders.ascent import ascend, shares, smoothed
+from stlc.solve.bounders.cuts import best_cut
+from stlc.solve.bounders.joint import Joint
+from stlc.solve.bounders.pair import Search
+from stlc.solve.bounders.pair_node import Node, with_cut
+from stlc.solve.relaxation.recognise import recognise
+from stlc.solve.restricted.frame import Frame
+from stlc.solve.restricted.session import Session
 from stlc.solve.strategy import Work
 
 MISSION = Path(__file__).parents[2] / "benchmarks" / "missions" / "two_agents_t4.stl"
@@ -34,7 +34,7 @@ def _searched() -> tuple[Search, Node]:
         Frame(compiled, problem), Work.of(compiled, get("highs"), SolveOptions(gap=1e-4))
     )
     search = Search(session)
-    root = search._root()
+    root = search.root()
     assert root is not None
     assert search.tools.programme(root)
     assert search.tools.relax(root)

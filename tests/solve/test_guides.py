@@ -8,7 +8,7 @@ import pytest
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.mission import Mission
 from stlc.solve.heuristics.dive import find_start
-from stlc.solve.heuristics.guides import guides
+from stlc.solve.heuristics.lattice_runs import guides
 from tests.milp.worlds import value
 
 HEAD = """step 1 s

@@ -14,8 +14,8 @@ from stlc.backends.base import Progress, SolveOptions, Status
 from stlc.errors import InfeasibleError
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.solve.certify import certify
-from stlc.solve.links.recognise import recognise
-from stlc.solve.links.strategy import LINKS
+from stlc.solve.link_search import LINKS
+from stlc.solve.relaxation.recognise import recognise
 from stlc.solve.strategies import run_strategy
 from stlc.solve.strategy import Work
 from stlc.verify import verify

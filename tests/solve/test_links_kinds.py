@@ -18,9 +18,9 @@ from stlc.backends.base import Backend, Progress, SolveOptions
 from stlc.errors import InfeasibleError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.radio.partition import Partition
-from stlc.solve.links.problem import Axis, Body, Place
-from stlc.solve.links.reach import boxes_meet, tubes
-from stlc.solve.links.recognise import recognise
+from stlc.solve.relaxation.problem import Axis, Body, Place
+from stlc.solve.relaxation.recognise import recognise
+from stlc.solve.states.tubes import boxes_meet, tubes
 from stlc.solve.strategies import run_strategy
 
 FULL = os.environ.get("HYPOTHESIS_PROFILE") == "full"

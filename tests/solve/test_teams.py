@@ -16,15 +16,15 @@ from stlc.arrays import Bools, Floats
 from stlc.backends.base import Progress, SolveOptions, Status
 from stlc.errors import InfeasibleError
 from stlc.milp.compile import Compiled, compile_mission
-from stlc.solve.links import teamtree
-from stlc.solve.links.agreement import Agreement, no_prices
-from stlc.solve.links.layers import Layer, Maker, rate_borders
-from stlc.solve.links.problem import Problem
-from stlc.solve.links.reach import tubes
-from stlc.solve.links.recognise import recognise
-from stlc.solve.links.restrict import Frame
-from stlc.solve.links.session import Session
-from stlc.solve.links.shares import coarsened
+from stlc.solve.bounders import team as teamtree
+from stlc.solve.bounders.agreement import Agreement, no_prices
+from stlc.solve.bounders.shares import coarsened
+from stlc.solve.relaxation.problem import Problem
+from stlc.solve.relaxation.recognise import recognise
+from stlc.solve.restricted.frame import Frame
+from stlc.solve.restricted.session import Session
+from stlc.solve.states.layers import Layer, Maker, rate_borders
+from stlc.solve.states.tubes import tubes
 from stlc.solve.strategies import run_strategy
 from stlc.solve.strategy import Work
 
@@ -79,7 +79,7 @@ def test_same_optimum_by_branching_alone(
 ) -> None:
     """Prices from merged cells; next to nothing goes to the solver before it is small."""
     for name, value in (
-        ("_COARSE", 4), ("LEAF_PAIRS", 60), ("WIDE_PAIRS", 20), ("DIVE_PAIRS", 60),
+        ("_COARSE", 4), ("LEAF_PAIRS", 60), ("OPEN_LEAF_PAIRS", 20), ("DIVE_PAIRS", 60),
     ):  # fmt: skip
         monkeypatch.setattr(teamtree, name, value)
     compiled = _compiled(tmp_path, seed, Variant(agents=3, steps=3, cells=4))

@@ -9,8 +9,8 @@ alternative each disjunction takes,
     every alternative that conflicts with a decision (`analysis/conflicts.py`) is ruled out at once,
     backtracking in order, restarts from other LP vertices (random costs) with growing limits.
 
-Between the first dive and the restarts come runs of lattices (`guides.py`): their alternatives are
-tried all at once, then one by one, those over time first.
+Between the first dive and the restarts come runs of lattices (`lattice_runs.py`): their
+alternatives are tried all at once, then one by one, those over time first.
 
 It gives up after a fixed number of LPs, so it is repeatable. A point found with all literals
 integral is feasible for the whole model.
@@ -30,7 +30,7 @@ from stlc.analysis.goals import Level
 from stlc.arrays import Floats, Ints
 from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
-from stlc.solve.heuristics.guides import guides
+from stlc.solve.heuristics.lattice_runs import guides
 from stlc.solve.strategy import Strategy, Work
 
 _FIRST_LIMIT = 30.0  # LPs before the first restart, at least

@@ -21,7 +21,7 @@ from stlc.solve.events import (
     StatusEvent,
     tell_warnings,
 )
-from stlc.solve.incumbent import Keeper
+from stlc.solve.incumbent import Incumbent
 from stlc.solve.judge import Judge
 from stlc.solve.racing.race import Finish, Lap, Race, Racer, race
 
@@ -45,7 +45,7 @@ class Result:
 
 
 @dataclass(slots=True)
-class Contest:
+class MissionRace:
     """One race. `compiled[name]` is what the racer of that name works on.
 
     While it lasts, `save_to` holds the best verified plan of all racers.
@@ -57,7 +57,7 @@ class Contest:
     listen: Listener
     save_to: Path | None = None
     cluster: str | None = None
-    _keepers: dict[str, Keeper] = field(default_factory=dict)
+    _incumbents: dict[str, Incumbent] = field(default_factory=dict)
     _stopped: bool = False
 
     def run(self, should_stop: Callable[[], bool]) -> Result:
@@ -68,7 +68,7 @@ class Contest:
         """
         tell_warnings((w for c in self.compiled.values() for w in c.warnings), self.listen)
         self.listen(StatusEvent("solve", "racing " + ", ".join(r.name for r in self.racers)))
-        self._keepers = {r.name: self._keeper(r) for r in self.racers}
+        self._incumbents = {r.name: self._incumbent(r) for r in self.racers}
 
         def stop() -> bool:
             self._stopped = self._stopped or should_stop()
@@ -99,9 +99,9 @@ class Contest:
             self._stopped = True
             return Race(None, ())
 
-    def _keeper(self, racer: Racer) -> Keeper:
+    def _incumbent(self, racer: Racer) -> Incumbent:
         now, judge = time.perf_counter(), self._judge_of(racer.name).judge
-        return Keeper(judge, self.listen, racer.backend, racer.backend, self.save_to, now)
+        return Incumbent(judge, self.listen, racer.backend, racer.backend, self.save_to, now)
 
     def _judge_of(self, name: str) -> Judge:
         encoding = name.partition(":")[2] or "auto"
@@ -111,15 +111,15 @@ class Contest:
         self.listen(ProgressEvent(p.seconds, p.objective, p.bound, p.gap, p.nodes))
         if p.incumbent is None:
             return
-        keeper = self._keepers[name]
-        keeper.raise_bound(p.bound)
+        incumbent = self._incumbents[name]
+        incumbent.raise_bound(p.bound)
         value = self.compiled[name].model.objective(p.incumbent)
-        if value < min(k.objective for k in self._keepers.values()):
-            keeper.take(p.incumbent, value)
+        if value < min(k.objective for k in self._incumbents.values()):
+            incumbent.take(p.incumbent, value)
 
-    def _best(self) -> tuple[str, Keeper] | None:
+    def _best(self) -> tuple[str, Incumbent] | None:
         """Who has the best plan so far."""
-        kept = [(n, k) for n, k in self._keepers.items() if k.claim is not None]
+        kept = [(n, k) for n, k in self._incumbents.items() if k.claim is not None]
         return min(kept, key=lambda pair: pair[1].objective, default=None)
 
     def _stand(self, result: Race, refused: str | None = None) -> Result:

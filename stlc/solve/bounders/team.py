@@ -1,0 +1,328 @@
+"""Branch and bound over more than two agents, by what their pairs agree on.
+
+A node is a set of alternatives for each agent's choice over time, with the states and pairs of
+states that may still lie on a plan better than the cutoff, and the prices of its parent. Nodes
+with few cell pairs go to the solver whole; the others are split by a choice, or by where an agent
+is at a step.
+"""
+
+from __future__ import annotations
+
+import itertools
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stlc.arrays import Bools, Floats, Ints
+from stlc.solve.bounders.agreement import Agreement, Pair, Prices, no_prices
+from stlc.solve.bounders.prices import blocks, masked, prices_of_finer_cells, sliced
+from stlc.solve.bounders.shares import coarsened
+from stlc.solve.relaxation.problem import Problem
+from stlc.solve.restricted.session import Session
+from stlc.solve.states.layers import Layer, Maker, cells_of, rate_borders, restrict, with_choice
+from stlc.solve.states.tubes import tubes
+from stlc.solve.tree import Expansion, branch_and_bound
+
+LEAF_PAIRS = 2500  # cell pairs that go to the solver when no choice is left
+OPEN_LEAF_PAIRS = 900  # and when there is
+DIVE_PAIRS = 1000
+_COARSE = 144  # cells
+_BINS = 2  # of the rate, at nodes without a choice
+_COARSE_ROUNDS, _ROOT_ROUNDS, _ROUNDS = 12, 30, 8
+_MOMENTUM = 0.7
+_FIRST = 0.02  # of the bound: the first step of the potentials
+_LATER = 0.05  # of the gap
+_CLIMB_SECONDS = 20.0
+_LEAF_SECONDS = 30.0
+_DIVE_SECONDS = 8.0
+_FINE = 60_000  # pairs of states at a step: more are not refined
+_POINT = 1e-6  # m
+_POLISH_SECONDS = 10.0
+_EVERY = 8  # nodes between plunges
+_CUT = 0.75  # of the gap, while plunging
+
+Taken = tuple[tuple[int, ...], ...]
+
+
+@dataclass(slots=True)
+class Node:
+    """masks[pair][t]: alive pairs of states (None: all)."""
+
+    bound: float
+    taken: Taken
+    rows: list[list[Layer]]
+    prices: Prices
+    masks: dict[Pair, list[Bools]] | None
+    bins: int = 1
+    tried: bool = False
+
+    @property
+    def has_open_choice(self) -> bool:
+        """Whether some choice is open."""
+        return max(map(len, self.taken)) > 1
+
+    @property
+    def size(self) -> int:
+        """Most pairs of states that two agents have at a step."""
+        return max(
+            len(self.rows[i][t]) * len(self.rows[j][t])
+            for i, j in self.prices.states
+            for t in range(len(self.rows[i]))
+        )
+
+    @property
+    def empty(self) -> bool:
+        """Whether some agent has nowhere to be."""
+        return any(len(layer) == 0 for row in self.rows for layer in row)
+
+
+def climb(agreement: Agreement, rounds: int, session: Session, cutoff: float, whole: bool) -> None:
+    """Sweeps and steps of the potentials. Ends early above the cutoff and when stopped, after a
+    forward sweep. `whole`: what is found is a bound on all plans."""
+    last, until = agreement.prepare(), session.seconds + _CLIMB_SECONDS
+    gap = _LATER * (cutoff - last) if np.isfinite(cutoff) else np.inf
+    if whole:
+        session.raise_bound(min(last, session.cutoff))
+    step = min(gap, _FIRST * abs(last)) / max(1, len(agreement.pairs))
+    direction: dict[Pair, Floats] = {}
+    for k in range(rounds):
+        value = agreement.forward(cutoff)
+        if whole:
+            session.raise_bound(min(agreement.bound, session.cutoff))
+        late = session.seconds > until or session.stopped()
+        if k == rounds - 1 or late or agreement.bound >= cutoff:
+            break
+        step *= 1.1 if value - last > 0.2 * step * len(agreement.pairs) else 0.75
+        last, change = value, {}
+        for p in agreement.pairs:
+            direction[p] = agreement.slopes(p) + _MOMENTUM * direction.get(p, 0.0)
+            size = float((direction[p] ** 2).sum()) * (1 - _MOMENTUM)
+            change[p] = step / max(size, 1e-9) * direction[p]
+        agreement.move(change)
+        agreement.backward()
+
+
+class Tree:
+    """The nodes of one problem."""
+
+    def __init__(self, session: Session, pool: Executor) -> None:
+        self.session, self.problem, self.pool = session, session.problem, pool
+        self.frame = session.frame
+        self.tubes = [tubes(body, self.problem.steps) for body in self.problem.bodies]
+        self.visited = 0
+        agents = range(len(self.problem.bodies))
+        self._free = itertools.cycle(itertools.combinations(agents, 2))
+        self._polished = np.inf
+
+    def run(self) -> None:
+        """Best bound first, until the incumbent is proven or the session stops."""
+        self._polish()
+        root = self.root()
+        if root is not None:
+            branch_and_bound(self, root, self.session)
+
+    def root(self) -> Node | None:
+        """All alternatives; None where an agent has none. Prices are found on merged cells."""
+        taken = tuple(t.possible for t in self.tubes)
+        if not all(taken):
+            return None
+        coarse = coarsened(self.problem, _COARSE)
+        rows = self._layers(coarse, taken, 1)
+        node = Node(-np.inf, taken, rows, no_prices(list(coarse.pairs), rows), None)
+        if coarse is self.problem or node.empty:
+            return node
+        self._tighten(node, _COARSE_ROUNDS, coarse, np.inf)
+        fine = self._layers(self.problem, taken, 1)
+        host = blocks(self.problem, coarse)
+        prices = prices_of_finer_cells(node.prices, node.rows, fine, host)
+        return Node(node.bound, taken, fine, prices, None)
+
+    def _layers(self, problem: Problem, taken: Taken, bins: int) -> list[list[Layer]]:
+        return [self._maker(problem, n, part, bins).layers() for n, part in enumerate(taken)]
+
+    def _maker(self, problem: Problem, n: int, taken: tuple[int, ...], bins: int) -> Maker:
+        body = problem.bodies[n]
+        rates = (rate_borders(body.axes[0], bins), rate_borders(body.axes[1], bins))
+        return Maker(problem, body, self.tubes[n], taken, rates)
+
+    # -- nodes --------------------------------------------------------------------------------
+    def expand(self, node: Node) -> Expansion[Node]:
+        """Tighten; close what is settled, give small nodes to the solver, split the rest."""
+        session, first = self.session, node.masks is None
+        session.nodes, self.visited = session.nodes + 1, self.visited + 1
+        rounds = _ROOT_ROUNDS if first else _ROUNDS
+        agreement = self._tighten(node, rounds, self.problem, session.cutoff)
+        if agreement is None:
+            return Expansion(closed=max(node.bound, session.cutoff))
+        if session.stopped():
+            return Expansion((node,))
+        if not node.has_open_choice and node.bins < _BINS and node.size <= _FINE:
+            self._refine(node, _BINS)
+            return Expansion((node,))
+        if (
+            self._count(node) <= (OPEN_LEAF_PAIRS if node.has_open_choice else LEAF_PAIRS)
+            and not node.tried
+        ):
+            node.bound = max(node.bound, self._solve(node, _LEAF_SECONDS))
+            if node.bound >= session.cutoff:
+                return Expansion(closed=node.bound)
+            node.tried = True
+        elif self.visited % _EVERY == 1:
+            self._plunge(node, agreement)
+            self._polish()
+        return self._branch(node)
+
+    def _tighten(
+        self, node: Node, rounds: int, problem: Problem, cutoff: float
+    ) -> Agreement | None:
+        """Climb at a node and keep what is alive; None when nothing below the cutoff is left."""
+        if node.empty:
+            node.bound = np.inf
+            return None
+        whole = node.masks is None and all(
+            t.possible == own for t, own in zip(self.tubes, node.taken, strict=True)
+        )
+        agreement = Agreement(problem, node.rows, node.prices, node.masks, self.pool)
+        climb(agreement, rounds, self.session, cutoff, whole)
+        node.bound = max(node.bound, agreement.bound)
+        if node.bound >= cutoff:
+            return None
+        node.prices, node.masks = agreement.prices, agreement.masks()
+        keep(node, [[np.flatnonzero(a) for a in row] for row in agreement.alive()])
+        return None if node.empty else agreement
+
+    def _refine(self, node: Node, bins: int) -> None:
+        """Children of the alive states on a finer grid of rates."""
+        rows = [
+            self._maker(self.problem, n, node.taken[n], bins).layers(row)
+            for n, row in enumerate(node.rows)
+        ]
+        index = [[layer.parent for layer in row] for row in rows]
+        node.rows, node.bins = rows, bins
+        node.prices, node.masks = sliced(node.prices, index), masked(node.masks, index)
+
+    def _alive_cells(self, node: Node) -> dict[Pair, list[Bools]]:
+        """Cell pairs (cells, cells) at each step."""
+        assert node.masks is not None
+        return {
+            p: [
+                cells_of(mask, node.rows[p[0]][t], node.rows[p[1]][t], self.problem.cells)
+                for t, mask in enumerate(masks)
+            ]
+            for p, masks in node.masks.items()
+        }
+
+    def _count(self, node: Node) -> int:
+        return sum(int(v.sum()) for row in self._alive_cells(node).values() for v in row[1:])
+
+    def _solve(self, node: Node, seconds: float) -> float:
+        """Give the node to the solver; its bound."""
+        lower, upper = self.frame.narrowed(node.taken, node.rows, self._alive_cells(node))
+        return self.session.milp(lower, upper, seconds, 0.5 * self.session.options.gap)
+
+    # -- plans --------------------------------------------------------------------------------
+    def _plunge(self, node: Node, agreement: Agreement) -> None:
+        """Take every choice as the pairs' best runs do, and solve over what would be left were
+        the incumbent better than it is."""
+        part = node
+        for n, own in enumerate(node.taken):
+            if len(own) > 1:
+                part = self._child(part, n, (self._taken_by(n, agreement, own),))
+        part = replace(part, rows=list(part.rows))
+        session = self.session
+        top = min(session.cutoff, node.bound + abs(node.bound) + 1.0)
+        if self._tighten(part, _ROUNDS, self.problem, top) is None:
+            return
+        parts = [part]
+        while self._count(parts[-1]) > DIVE_PAIRS and not session.stopped():
+            part = replace(parts[-1], rows=list(parts[-1].rows))
+            top = part.bound + _CUT * (top - part.bound)
+            if self._tighten(part, 2, self.problem, top) is None:
+                break
+            parts.append(part)
+        before, until = session.value, session.seconds + _DIVE_SECONDS
+        for part in reversed(parts):
+            if session.value < before or session.seconds > until or session.stopped():
+                return
+            self._solve(part, _DIVE_SECONDS)
+
+    def _polish(self) -> None:
+        """Free two agents at a time around the incumbent, until all pairs bring nothing."""
+        session, until = self.session, self.session.seconds + _POLISH_SECONDS
+        cell = min(float(np.diff(e).max()) for e in self.problem.edges)
+        agents = len(self.problem.bodies)
+        idle = 0
+        while session.x is not None and session.seconds < until and not session.stopped():
+            if session.value >= self._polished or idle == agents * (agents - 1) // 2:
+                self._polished = session.value
+                return
+            better = session.around(next(self._free), 0.7 * cell, _DIVE_SECONDS / 2, 1e-3)
+            idle = 0 if better else idle + 1
+
+    def _taken_by(self, n: int, agreement: Agreement, own: tuple[int, ...]) -> int:
+        """The alternative that most of an agent's pairs take."""
+        steps = [self.tubes[n].steps[j] for j in own]
+        votes = np.zeros(len(own))
+        for pair in agreement.own[n]:
+            path, end = agreement.path(pair), int(pair[1] == n)
+            bits = [agreement.rows[n][t].bit[k[end]] for t, k in enumerate(path)]
+            votes += np.array([bits.index(1) == step for step in steps])
+        return own[int(np.argmax(votes))]
+
+    # -- branching ----------------------------------------------------------------------------
+    def _branch(self, node: Node) -> Expansion[Node]:
+        """Halve the largest choice, or where an agent is at some step."""
+        if not node.has_open_choice:
+            return self._halves(node)
+        n = int(np.argmax([len(t) for t in node.taken]))
+        own = node.taken[n]
+        half = len(own) // 2
+        return Expansion(tuple(self._child(node, n, part) for part in (own[:half], own[half:])))
+
+    def _child(self, node: Node, n: int, part: tuple[int, ...]) -> Node:
+        index = _everything(node)
+        row, index[n] = with_choice(self.problem.bodies[n], self.tubes[n], part, node.rows[n])
+        taken = tuple(part if k == n else t for k, t in enumerate(node.taken))
+        child = _kept(replace(node, taken=taken, tried=False), index)
+        child.rows[n] = row
+        return child
+
+    def _halves(self, node: Node) -> Expansion[Node]:
+        """Split the widest spread of an agent's positions along an axis."""
+        spread = [
+            (float(np.ptp(at)), n, t, at)
+            for n, row in enumerate(node.rows)
+            for t, layer in enumerate(row)
+            for at in (layer.x.box[layer.ix, :2].mean(1), layer.y.box[layer.iy, :2].mean(1))
+        ]
+        widest, n, t, at = max(spread, key=lambda s: s[0])
+        if widest < _POINT:
+            return Expansion(closed=max(node.bound, self._solve(node, self.session.left)))
+        middle = (at.min() + at.max()) / 2
+        out = []
+        for side in (at <= middle, at > middle):
+            index = _everything(node)
+            index[n][t] = np.flatnonzero(side)
+            out.append(_kept(replace(node, tried=False), index))
+        return Expansion(tuple(out))
+
+
+def _everything(node: Node) -> list[list[Ints]]:
+    return [[np.arange(len(layer)) for layer in row] for row in node.rows]
+
+
+def keep(node: Node, index: list[list[Ints]]) -> None:
+    """Only some states of each agent and step."""
+    for n, row in enumerate(node.rows):
+        masks = [np.zeros(len(layer), bool) for layer in row]
+        for mask, kept in zip(masks, index[n], strict=True):
+            mask[kept] = True
+        node.rows[n] = [restrict(layer, m) for layer, m in zip(row, masks, strict=True)]
+    node.prices, node.masks = sliced(node.prices, index), masked(node.masks, index)
+
+
+def _kept(node: Node, index: list[list[Ints]]) -> Node:
+    node.rows = [list(row) for row in node.rows]
+    keep(node, index)
+    return node

@@ -1,0 +1,1 @@
+"""What the searches understand of a mission: agents as integrators, links, choices."""

@@ -1,0 +1,1 @@
+"""The compiled model with bounds drawn in, and what one search holds: clock, incumbent."""

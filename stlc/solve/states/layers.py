@@ -1,0 +1,280 @@
+"""States of one agent at each step: axis boxes, and whether its choice over time is behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stlc.arrays import Bools, Floats, Ints
+from stlc.solve.relaxation.problem import Axis, Body, Problem
+from stlc.solve.states.boxes import EPS, AxisGrid, axis_grid, point_grid
+from stlc.solve.states.tubes import Tubes, boxes_meet, meeting
+
+MARGIN = 1e-6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Layer:
+    """States (n,), sorted by cell: axis boxes x[ix], y[iy]; bit 1: the choice is behind.
+
+    `parent` numbers the state of the layer this one was made from.
+    """
+
+    x: AxisGrid
+    y: AxisGrid
+    ix: Ints
+    iy: Ints
+    bit: Ints
+    cell: Ints
+    parent: Ints
+
+    def __len__(self) -> int:
+        return len(self.ix)
+
+    def grid(self, d: int) -> AxisGrid:
+        """The boxes along an axis."""
+        return self.x if d == 0 else self.y
+
+    def priced(self, x: Floats, y: Floats) -> Layer:
+        """With these slopes of the potentials in the boxes along each axis."""
+        return replace(self, x=replace(self.x, slope=x), y=replace(self.y, slope=y))
+
+    def bounds(self) -> Floats:
+        """(2, 4): p_lo, p_hi, w_lo, w_hi of all states along each axis."""
+        boxes = (self.x.room[self.ix], self.y.room[self.iy])
+        return np.array(
+            [[b[:, 0].min(), b[:, 1].max(), b[:, 2].min(), b[:, 3].max()] for b in boxes]
+        )
+
+
+def start_layer(body: Body) -> Layer:
+    """The start, with the choice ahead (or nothing to choose: behind)."""
+    zero = np.zeros(1, np.int64)
+    bit = zero if body.places else zero + 1
+    x, y = (point_grid(*axis.start) for axis in body.axes)
+    return Layer(x, y, zero, zero, bit, zero, zero)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Maker:
+    """Makes the layers of one agent. `bins` (2,) arrays of rate borders along each axis."""
+
+    problem: Problem
+    body: Body
+    tubes: Tubes
+    taken: tuple[int, ...]
+    bins: tuple[Floats, Floats]
+
+    def layers(self, old: Sequence[Layer] | None = None) -> list[Layer]:
+        """Layers 0..T; with `old` only children of its states."""
+        grids = [
+            axis_grid(self.problem.edges[d], _faces(self.body, d), self.bins[d]) for d in (0, 1)
+        ]
+        out = [start_layer(self.body)]
+        for t in range(1, self.problem.steps + 1):
+            out.append(self._layer(t, grids[0], grids[1], old[t] if old else None))
+        return out
+
+    def _layer(self, t: int, x: AxisGrid, y: AxisGrid, old: Layer | None) -> Layer:
+        x, y = (_within(g, axis.box[t]) for g, axis in zip((x, y), self.body.axes, strict=True))
+        if old is None:
+            grid = np.indices((len(x.box), len(y.box))).reshape(2, -1)
+            ix, iy = grid
+            parent = np.zeros((2, len(ix)), np.int64)
+        else:
+            ix, iy, parent = _children(x, y, old)
+            x, y = _inheriting(x, old.x), _inheriting(y, old.y)
+        cell = x.cell[ix] * self.problem.shape[1] + y.cell[iy]
+        keep = self.problem.owner[cell] >= 0
+        keep &= admissible(self.body, t, x, y, ix, iy)
+        ix, iy, parent = ix[keep], iy[keep], parent[:, keep]
+        alive = reach_bits(self.body, self.tubes, self.taken, t, x, y, ix, iy) & (parent >= 0)
+        bit, position = np.nonzero(alive)
+        return self._sorted(t, x, y, ix[position], iy[position], bit, parent[bit, position])
+
+    def _sorted(
+        self, t: int, x: AxisGrid, y: AxisGrid, ix: Ints, iy: Ints, bit: Ints, parent: Ints
+    ) -> Layer:
+        used_x, ix = np.unique(ix, return_inverse=True)
+        used_y, iy = np.unique(iy, return_inverse=True)
+        x, y = x.take(used_x), y.take(used_y)
+        x, y = drawn_in(self.tubes, self.taken, t, x, y)
+        cell = x.cell[ix] * self.problem.shape[1] + y.cell[iy]
+        order = np.lexsort((iy, ix, bit, cell))
+        return Layer(x, y, ix[order], iy[order], bit[order], cell[order], parent[order])
+
+
+def _faces(body: Body, d: int) -> list[float]:
+    faces = {
+        float(v)
+        for groups in body.avoid.values()
+        for group in groups
+        for box in group
+        for v in box[d]
+        if np.isfinite(v)
+    }
+    return sorted(faces)
+
+
+def _within(grid: AxisGrid, box: Floats) -> AxisGrid:
+    """Boxes that meet the range of a step."""
+    b = grid.box
+    meets = (b[:, 0] <= box[1] + MARGIN) & (b[:, 1] >= box[0] - MARGIN)
+    meets &= (b[:, 2] <= box[3] + MARGIN) & (b[:, 3] >= box[2] - MARGIN)
+    return grid.take(np.flatnonzero(meets))
+
+
+def admissible(body: Body, t: int, x: AxisGrid, y: AxisGrid, ix: Ints, iy: Ints) -> Bools:
+    """Boxes that meet the speed polygon, and with some width one alternative of each avoidance.
+
+    What touches an alternative only along a face lies in the boxes of zero width.
+    """
+    fine = np.ones(len(ix), bool)
+    for nx, ny, c in body.faces:
+        least = np.minimum(nx * x.box[:, 2], nx * x.box[:, 3])[ix]
+        least = least + np.minimum(ny * y.box[:, 2], ny * y.box[:, 3])[iy]
+        fine &= least <= c + EPS
+    if not (x.thin.any() or y.thin.any() or body.avoid.get(t)):
+        return fine
+    thin_x, thin_y = x.thin[ix], y.thin[iy]
+    free = {(a, b): _outside(body, t, x, y, a, b)[ix, iy] for a in (0, 1) for b in (0, 1)}
+    spare = (thin_x & free[1, 0]) | (thin_y & free[0, 1]) | (thin_x & thin_y & free[1, 1])
+    kept = np.logical_and(fine, free[0, 0]) & ~spare
+    return np.asarray(kept, dtype=bool)
+
+
+def _outside(body: Body, t: int, x: AxisGrid, y: AxisGrid, host_x: int, host_y: int) -> Bools:
+    """(nx, ny): with some width in an alternative of every avoidance; hosts for thin boxes."""
+    fine = np.ones((len(x.box), len(y.box)), bool)
+    for group in body.avoid.get(t, ()):
+        some = np.zeros_like(fine)
+        for box in group:
+            some |= np.logical_and.outer(
+                _overlaps(x, box[0], bool(host_x)), _overlaps(y, box[1], bool(host_y))
+            )
+        fine &= some
+    return fine
+
+
+def _overlaps(grid: AxisGrid, span: Floats, host: bool) -> Bools:
+    part = grid.host if host else grid.box[:, :2]
+    low, high = np.maximum(part[:, 0], span[0]), np.minimum(part[:, 1], span[1])
+    if host:
+        return np.asarray(high - low > MARGIN)
+    return np.asarray(high >= np.where(grid.thin, low - 1e-9, low + MARGIN))
+
+
+def reach_bits(
+    body: Body, tubes: Tubes, taken: Sequence[int], t: int, x: AxisGrid, y: AxisGrid,
+    ix: Ints, iy: Ints,
+) -> Bools:  # fmt: skip
+    """(2, n): can a run be here at t with its choice still ahead (0), or behind (1)?"""
+    fine = np.zeros((2, len(ix)), bool)
+    oblique = [_projected(x, y, ix, iy, d) for d in tubes.directions[2:]]
+    for j in taken:
+        bit = int(tubes.steps[j] <= t)
+        meets = boxes_meet(x.box, tubes.sets[0][j][t])[ix]
+        meets &= boxes_meet(y.box, tubes.sets[1][j][t])[iy]
+        left = np.flatnonzero(meets & ~fine[bit])
+        for number, boxes in enumerate(oblique, start=2):
+            left = left[boxes_meet(boxes[left], tubes.sets[number][j][t])]
+        fine[bit, left] = True
+    return fine
+
+
+def drawn_in(
+    tubes: Tubes, taken: Sequence[int], t: int, x: AxisGrid, y: AxisGrid
+) -> tuple[AxisGrid, AxisGrid]:
+    """The grids with their room drawn in around what the tubes of some alternative reach."""
+    made = []
+    for d, grid in enumerate((x, y)):
+        parts = np.array([meeting(grid.room, tubes.sets[d][j][t]) for j in taken])
+        low, high = parts[:, :, ::2].min(0), parts[:, :, 1::2].max(0)
+        room = np.stack([low[:, 0], high[:, 0], low[:, 1], high[:, 1]], 1)
+        room = np.where((low <= high).all(1)[:, None], room, grid.room)
+        made.append(replace(grid, room=room))
+    return made[0], made[1]
+
+
+def with_choice(
+    body: Body, tubes: Tubes, part: Sequence[int], row: Sequence[Layer]
+) -> tuple[list[Layer], list[Ints]]:
+    """Layers 0..T of runs that take one of `part`, and the states of `row` they keep."""
+    made, kept = [row[0]], [np.arange(len(row[0]))]
+    for t, layer in enumerate(row[1:], start=1):
+        bits = reach_bits(body, tubes, part, t, layer.x, layer.y, layer.ix, layer.iy)
+        keep = np.asarray(bits[layer.bit, np.arange(len(layer))], dtype=bool)
+        x, y = drawn_in(tubes, part, t, layer.x, layer.y)
+        made.append(restrict(replace(layer, x=x, y=y), keep))
+        kept.append(np.flatnonzero(keep))
+    return made, kept
+
+
+def cells_of(mask: Bools, a: Layer, b: Layer, cells: int) -> Bools:
+    """(cells, cells): cell pairs of the pairs of states of two layers that are in the mask."""
+    found = np.zeros((cells, cells), bool)
+    i, j = np.nonzero(mask)
+    found[a.cell[i], b.cell[j]] = True
+    return found
+
+
+def _projected(x: AxisGrid, y: AxisGrid, ix: Ints, iy: Ints, d: Floats) -> Floats:
+    """(n, 4): ranges of (d.p, d.w) over the boxes."""
+    out = []
+    for k in (0, 2):
+        a, b = d[0] * x.box[:, k : k + 2], d[1] * y.box[:, k : k + 2]
+        out += [a.min(1)[ix] + b.min(1)[iy], a.max(1)[ix] + b.max(1)[iy]]
+    return np.stack(out, 1)
+
+
+def _children(x: AxisGrid, y: AxisGrid, old: Layer) -> tuple[Ints, Ints, Ints]:
+    """Boxes within states of `old`, and for both bits the state (or -1)."""
+    px, py = _parents(x, old.x), _parents(y, old.y)
+    table = np.full((2, len(old.x.box), len(old.y.box)), -1, np.int64)
+    table[old.bit, old.ix, old.iy] = np.arange(len(old))
+    known = (px[:, None] >= 0) & (py[None] >= 0)
+    full = np.where(known, table[:, px][:, :, py], -1)
+    ix, iy = np.nonzero((full >= 0).any(0))
+    return ix, iy, full[:, ix, iy]
+
+
+def _inheriting(fine: AxisGrid, coarse: AxisGrid) -> AxisGrid:
+    """Fine boxes with the slopes of those that hold them."""
+    slope = coarse.slope[_parents(fine, coarse)]
+    return replace(fine, slope=slope)
+
+
+def _parents(fine: AxisGrid, coarse: AxisGrid) -> Ints:
+    """For each fine box the coarse box that holds it, or -1 where that one is gone."""
+    a, b = fine.box[:, None, :], coarse.box[None, :, :]
+    inside = (a[..., 0] >= b[..., 0] - 1e-9) & (a[..., 1] <= b[..., 1] + 1e-9)
+    inside &= (a[..., 2] >= b[..., 2] - 1e-9) & (a[..., 3] <= b[..., 3] + 1e-9)
+    inside &= (fine.cell[:, None] == coarse.cell[None]) & (fine.thin[:, None] == coarse.thin[None])
+    return np.where(inside.any(1), inside.argmax(1), -1)
+
+
+def restrict(layer: Layer, keep: Bools) -> Layer:
+    """Only the kept states; `parent` then numbers the states of `layer`."""
+    index = np.flatnonzero(keep)
+    used_x, ix = np.unique(layer.ix[index], return_inverse=True)
+    used_y, iy = np.unique(layer.iy[index], return_inverse=True)
+    return Layer(
+        layer.x.take(used_x), layer.y.take(used_y), ix, iy, layer.bit[index],
+        layer.cell[index], index,
+    )  # fmt: skip
+
+
+def sloped(layers: Sequence[Layer], pi: Floats) -> list[Layer]:
+    """Layers with potentials pi (T+1, 2 axes, 2: slopes on p and w), the same in all boxes."""
+    return [
+        layer.priced(*(np.broadcast_to(pi[t, d], (len(layer.grid(d).box), 2)) for d in (0, 1)))
+        for t, layer in enumerate(layers)
+    ]
+
+
+def rate_borders(axis: Axis, count: int) -> Floats:
+    """Borders of the bins of an axis's rate: one bin where it has no inertia."""
+    bins = 1 if axis.speed is None else count
+    return np.linspace(axis.box[1:, 2].min(), axis.box[1:, 3].max(), bins + 1)
