@@ -12,10 +12,10 @@ from stlc.errors import SolverError
 _GRACE = 30.0  # s that a solver may overrun its own time limit before it is terminated
 
 
-def run(command: list[str], options: SolveOptions, folder: str) -> str:
+def run(command: list[str], options: SolveOptions, folder: Path) -> str:
     """What the command printed. SolverError when it cannot be run or ends with a failure."""
     limit = None if options.time_limit is None else options.time_limit + _GRACE
-    log, began = Path(folder) / "log.txt", time.monotonic()
+    log, began = folder / "log.txt", time.monotonic()
     with log.open("wb") as stream:
         try:
             process = subprocess.Popen(

@@ -6,7 +6,6 @@ import re
 import shlex
 import shutil
 import subprocess
-import tempfile
 import time
 from dataclasses import dataclass, field
 from functools import cache
@@ -24,6 +23,7 @@ from stlc.backends.support import (
 )
 from stlc.backends.templates import CUSTOM, TEMPLATES, Files, Template
 from stlc.errors import NoPlanError, SolverError, UsageError
+from stlc.files import scratch_folder
 from stlc.milp.model import Model
 from stlc.milp.readers import read_solution
 from stlc.milp.writers.mps import mps_chunks
@@ -64,8 +64,8 @@ class External:
         if (answer := trivial(self, model, options)) is not None:
             return answer
         began = time.perf_counter()
-        with tempfile.TemporaryDirectory(prefix="stlc-") as folder:
-            files = Files.inside(Path(folder))
+        with scratch_folder() as folder:
+            files = Files.inside(folder)
             _write(model, files, options)
             log = run(self._command(files, options), options, folder)
             x = _point(files, model)

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import os
 import subprocess
-import tempfile
 import time
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 from typing import ClassVar
 
 from stlc.backends import cbc_log
@@ -24,6 +22,7 @@ from stlc.backends.support import (
     trivial,
 )
 from stlc.errors import SolverError
+from stlc.files import scratch_folder
 from stlc.milp.model import Model
 
 
@@ -106,8 +105,8 @@ def _run(problem: FileProblem, options: SolveOptions) -> str:
     extra = [f"threads {threads}", *(f"{key} {value}" for key, value in options.extra.items())]
     if options.seed is not None:
         extra += [f"randomSeed {options.seed}", f"randomCbcSeed {options.seed}"]
-    with tempfile.TemporaryDirectory(prefix="stlc-") as folder:
-        log = Path(folder) / "cbc.log"
+    with scratch_folder() as folder:
+        log = folder / "cbc.log"
         solver = pulp.COIN_CMD(
             path=bundled_cbc(), msg=False, mip=bool(problem.model.integrality.any()),
             timeLimit=options.time_limit, gapRel=options.gap, threads=None,

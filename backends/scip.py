@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import tempfile
 import time
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -22,6 +20,7 @@ from stlc.backends.support import (
     trivial,
 )
 from stlc.errors import SolverError
+from stlc.files import scratch_folder
 from stlc.milp.model import Model
 from stlc.milp.writers.lp import lp_chunks
 from stlc.milp.writers.names import plain_texts
@@ -126,8 +125,8 @@ def _scip() -> Any:
 def _loaded(model: Model) -> Any:
     scip = _scip().Model()
     scip.hideOutput()
-    with tempfile.TemporaryDirectory(prefix="stlc-") as folder:
-        path = Path(folder) / "model.lp"
+    with scratch_folder() as folder:
+        path = folder / "model.lp"
         with path.open("wb") as stream:
             stream.writelines(lp_chunks(model, *plain_texts(model)))
         scip.readProblem(str(path))

@@ -10,8 +10,8 @@
 | 5 | solver missing or failed, or its answer was refused |
 | 6 | `verify`: the plan violates the mission |
 | 70 | our own disagreement: encoder and verifier differ |
-| 74 | an output could not be written (disk full, no permission) |
-| 130 | interrupted before there was a plan |
+| 74 | an output could not be written (disk full, no permission, standard output closed) |
+| 130 | interrupted before there was a plan, or twice |
 """
 
 from __future__ import annotations

@@ -6,12 +6,15 @@ import errno
 import os
 import secrets
 import shutil
+import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
 from stlc.errors import OutputError
+from stlc.inputs import refuse_input
 
 _REASONS = {
     errno.ENOSPC: "the disk is full",
@@ -22,22 +25,33 @@ _REASONS = {
     errno.EROFS: "the file system is read-only",
     errno.ENAMETOOLONG: "the name is too long",
     errno.ENOTDIR: "part of its path is a file, not a folder",
+    errno.EBADF: "it is closed",
     errno.EIO: "the device reported an error",
 }
 
 
-def write_atomic(path: str | os.PathLike[str], data: bytes | str) -> None:
+_STDOUT = ("/dev/stdout", "/dev/fd/1", "/proc/self/fd/1")
+
+
+def write_atomic(
+    path: str | os.PathLike[str], data: bytes | str, *, in_place: bool = False
+) -> None:
     """Write `data` (text as UTF-8) to a temporary file beside `path`, then rename it.
 
-    Raises OutputError with one clear sentence; an existing file is then unchanged.
+    Raises OutputError with one clear sentence; an existing file is then unchanged. UsageError for
+    a file that was read (`stlc.inputs.recorded_inputs`), unless it is changed `in_place`.
     """
-    with atomic_output(path) as stream:
+    with atomic_output(path, in_place=in_place) as stream:
         stream.write(data.encode() if isinstance(data, str) else data)
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:
-    """OutputError when `path` cannot be written now; nothing is left behind."""
+    """OutputError when `path` cannot be written now; nothing is left behind.
+
+    UsageError for a file that was read (`stlc.inputs.recorded_inputs`).
+    """
     target = Path(path)
+    refuse_input(target)
     if target.exists() and not target.is_file() and not target.is_dir():
         return
     final = Path(os.path.realpath(target))
@@ -51,13 +65,40 @@ def check_writable(path: str | os.PathLike[str]) -> None:
         raise OutputError(f"cannot write {target}: {_reason(target, error)}") from error
 
 
+_SCRATCH: set[Path] = set()  # temporary files and folders that are in use
+
+
 @contextmanager
-def atomic_output(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+def scratch_folder() -> Iterator[Path]:
+    """A temporary folder, gone when the block ends or the process leaves by `clear_scratch`."""
+    folder = Path(tempfile.mkdtemp(prefix="stlc-"))
+    _SCRATCH.add(folder)
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+        _SCRATCH.discard(folder)
+
+
+def clear_scratch() -> None:
+    """Remove what is temporary, for a process that ends without unwinding."""
+    for path in tuple(_SCRATCH):
+        if path.is_dir():
+            shutil.rmtree(path, ignore_errors=True)
+        else:
+            with suppress(OSError):
+                path.unlink(missing_ok=True)
+
+
+@contextmanager
+def atomic_output(path: str | os.PathLike[str], *, in_place: bool = False) -> Iterator[BinaryIO]:
     """A binary stream whose contents become `path` when the block ends without an exception.
 
-    Devices and pipes are written directly. Raises OutputError as `write_atomic` does.
+    Devices and pipes are written directly. Raises as `write_atomic` does.
     """
     target = Path(path)
+    if not in_place:
+        refuse_input(target)
     try:
         with _opened(target) as stream:
             yield stream
@@ -67,6 +108,10 @@ def atomic_output(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
 
 @contextmanager
 def _opened(target: Path) -> Iterator[BinaryIO]:
+    if str(target) in _STDOUT and hasattr(sys.stdout, "buffer"):
+        yield sys.stdout.buffer  # descriptor 1 may be muted: a solver's library prints there
+        sys.stdout.buffer.flush()
+        return
     if target.exists() and not target.is_file() and not target.is_dir():
         with target.open("wb") as stream:
             yield stream
@@ -75,6 +120,7 @@ def _opened(target: Path) -> Iterator[BinaryIO]:
     if final.is_dir():
         raise IsADirectoryError(errno.EISDIR, "is a folder")
     temporary = final.with_name(f".stlc-{secrets.token_hex(8)}.tmp")
+    _SCRATCH.add(temporary)
     try:
         with temporary.open("xb") as stream:
             yield stream
@@ -86,6 +132,7 @@ def _opened(target: Path) -> Iterator[BinaryIO]:
     finally:
         with suppress(OSError):
             temporary.unlink(missing_ok=True)
+        _SCRATCH.discard(temporary)
 
 
 def _reason(target: Path, error: OSError) -> str:
@@ -93,4 +140,9 @@ def _reason(target: Path, error: OSError) -> str:
         return "it is a folder; name a file"
     if error.errno == errno.ENOENT:
         return f"the folder {target.parent} does not exist"
+    return reason(error)
+
+
+def reason(error: OSError) -> str:
+    """Why something could not be written, for people."""
     return _REASONS.get(error.errno or 0, error.strerror or type(error).__name__)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
-MOST_BYTES = 256 * 2**20
+from stlc.inputs import InputError, TooLargeError, read_input
 
 _CHECK = "check the name; paths are relative to the file that names them"
 
@@ -84,15 +84,11 @@ class FolderLoader:
         """Content of a file. Raises LoadError."""
         path = Path(self.resolve(name, base))
         try:
-            if path.is_dir():
-                raise LoadError("is a folder, not a file", _CHECK)
-            if path.stat().st_size > MOST_BYTES:
-                raise LoadError(f"is larger than {MOST_BYTES // 2**20} MiB", "use a smaller file")
-            return path.read_bytes()
-        except FileNotFoundError:
-            raise LoadError("there is no such file", _CHECK) from None
-        except (OSError, ValueError) as error:
-            raise LoadError(getattr(error, "strerror", None) or str(error), _CHECK) from None
+            return read_input(path, regular=True)
+        except TooLargeError as error:
+            raise LoadError(str(error), "use a smaller file") from None
+        except InputError as error:
+            raise LoadError(str(error), _CHECK) from None
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,18 +8,16 @@ import os
 import sys
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stlc.errors import UsageError
+from stlc.inputs import InputError, read_input
 from stlc.plan import FORMAT_VERSION, LinkSeries, Plan, RequirementValue, Run, SolveInfo
 
 Array = NDArray[np.float64]
-
-MOST_BYTES = 1 << 30
 
 
 def to_json(plan: Plan) -> str:
@@ -97,13 +95,9 @@ def read(path: str | os.PathLike[str]) -> Plan:
     """Read a plan file. Raises UsageError, with the place, when it isn't one."""
     name = os.fspath(path)
     try:
-        if Path(path).stat().st_size > MOST_BYTES:
-            raise UsageError(f"{name}: a plan file is never larger than {MOST_BYTES >> 20} MB")
-        data = Path(path).read_bytes()
-    except FileNotFoundError:
-        raise UsageError(f"{name}: there is no such file") from None
-    except OSError as error:
-        raise UsageError(f"{name}: cannot read it: {error.strerror}") from None
+        data = read_input(path)
+    except InputError as error:
+        raise UsageError(f"{name}: {error}") from None
     return parse(data, name)
 
 

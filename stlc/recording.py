@@ -7,12 +7,12 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stlc.errors import UsageError
+from stlc.inputs import InputError, read_input
 
 Array = NDArray[np.float64]
 
@@ -59,13 +59,11 @@ def read_recording(path: str | os.PathLike[str], step: float) -> Recording:
 
 def _text(name: str) -> str:
     try:
-        return Path(name).read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise UsageError(f"{name}: there is no such file") from None
+        return read_input(name).decode("utf-8-sig")
+    except InputError as error:
+        raise UsageError(f"{name}: {error}") from None
     except UnicodeDecodeError:
         raise UsageError(f"{name}: not a CSV file: it is not UTF-8 text") from None
-    except OSError as error:
-        raise UsageError(f"{name}: cannot read it: {error.strerror}") from None
 
 
 def _numbers(place: str, line: str, mark: str, header: Sequence[str]) -> list[float]:

@@ -8,10 +8,8 @@ solver down.
 from __future__ import annotations
 
 import json
-import tempfile
 import time
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stlc import backends
@@ -20,6 +18,7 @@ from stlc.bench.job import Job, Point, Update
 from stlc.bench.machine import cpu_seconds
 from stlc.bench.worker import Tell
 from stlc.errors import InfeasibleError, MissionError, SolverError, StlcError
+from stlc.files import scratch_folder
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.milp.encodings import compile_options
 from stlc.mission import Mission
@@ -78,12 +77,12 @@ class _Run:
             self.send(lp_bound=relaxation(compiled.model, self.job.limits.seconds))
 
     def _read(self) -> Mission:
-        with tempfile.TemporaryDirectory() as folder:
+        with scratch_folder() as folder:
             for name, data in self.job.files.items():
-                Path(folder, name).write_bytes(data)
+                folder.joinpath(name).write_bytes(data)
             main = self.job.main
             text = self.job.files[main].decode()
-            mission = Mission.from_text(text, name=main, folder=Path(folder))
+            mission = Mission.from_text(text, name=main, folder=folder)
         self.send(read_seconds=self.seconds())
         return mission
 

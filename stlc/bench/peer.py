@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import lzma
-import tempfile
 import time
 from dataclasses import replace
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,6 +18,7 @@ from stlc.bench.machine import cpu_seconds
 from stlc.bench.mission_run import load_solvers, no_point, relaxation, sizes, solve_options
 from stlc.bench.worker import Tell
 from stlc.errors import SolverError, StlcError, UsageError
+from stlc.files import scratch_folder
 from stlc.milp.model import Block, Model, Origin
 from stlc.solve.certify import certify
 
@@ -83,8 +82,8 @@ def model_of(data: bytes, name: str) -> Model:
     if name.endswith(".xz"):
         data, name = lzma.decompress(data), name.removesuffix(".xz")
     h = new_highs()
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "model.mps.gz" if name.endswith(".gz") else "model.mps")
+    with scratch_folder() as folder:
+        path = folder.joinpath("model.mps.gz" if name.endswith(".gz") else "model.mps")
         path.write_bytes(data)
         if h.readModel(str(path)) == highspy.HighsStatus.kError:
             raise UsageError(f"HiGHS cannot read {name}")

@@ -12,6 +12,7 @@ from typing import Any
 from stlc.bench.record import Record
 from stlc.bench.store import Store
 from stlc.errors import UsageError
+from stlc.inputs import InputError, note_input, read_input
 
 _COLUMNS = tuple(f.name for f in fields(Record) if f.name != "trace")
 _TYPES = {f.name: str(f.type) for f in fields(Record)}
@@ -30,8 +31,10 @@ def to_csv(records: Iterable[Record]) -> str:
 
 def read_csv(path: Path) -> tuple[Record, ...]:
     """What `to_csv` wrote. UsageError for anything else."""
-    with path.open(newline="", encoding="utf-8") as stream:
-        rows = list(csv.DictReader(stream))
+    try:
+        rows = list(csv.DictReader(io.StringIO(read_input(path).decode("utf-8-sig"), newline="")))
+    except (InputError, UnicodeDecodeError, csv.Error) as error:
+        raise UsageError(f"{path} is no table of benchmark runs: {error}") from error
     try:
         return tuple(Record(**{k: _value(k, v) for k, v in row.items() if k in _TYPES})
                      for row in rows)  # fmt: skip
@@ -58,6 +61,7 @@ def read_runs(path: Path) -> tuple[Record, ...]:
     """Runs of a store or of a CSV file. UsageError when there is none, or it is neither."""
     if not path.is_file():
         raise UsageError(f"there is no store or table {path}")
+    note_input(path)
     with path.open("rb") as stream:
         is_store = stream.read(15) == b"SQLite format 3"
     return Store(path).records() if is_store else read_csv(path)

@@ -73,11 +73,10 @@ def cli() -> None:
 
 def main() -> None:
     """Entry point: runs the command and turns every error into a message and an exit status."""
-    from stlc.cli.common import INTERRUPTED, run_guarded
-    from stlc.cli.interrupt import leave
+    from stlc.cli.common import run_guarded
+    from stlc.cli.interrupt import heed_signals, leave
+    from stlc.cli.streams import claim_streams
 
-    try:
-        status = run_guarded(cli)
-    except KeyboardInterrupt:  # one more while the first was being told
-        status = INTERRUPTED
-    leave(status)
+    streams = claim_streams()
+    heed_signals()
+    leave(streams.close(run_guarded(cli)))

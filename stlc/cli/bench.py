@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stlc.cli.common import INTERRUPTED
-from stlc.cli.interrupt import interruptible
+from stlc.cli.interrupt import INTERRUPTED, interruptible
 
 if TYPE_CHECKING:
     from stlc.bench.job import Job

@@ -96,7 +96,7 @@ def fmt_command(files: tuple[Path, ...], check: bool, stdout: bool) -> int:
         elif text != source.text:
             changed.append(path)
             if not check:
-                write_atomic(path, text)
+                write_atomic(path, text, in_place=True)
     for path in changed:
         click.echo(f"{'would reformat' if check else 'reformatted'} {path}", err=True)
     return 1 if check and changed else 0

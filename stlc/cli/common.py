@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
+from stlc.cli.interrupt import INTERRUPTED
 from stlc.errors import MissionError, StlcError
+from stlc.inputs import recorded_inputs
 
 if TYPE_CHECKING:
     from stlc.diagnostics import Diagnostic
@@ -19,14 +21,14 @@ if TYPE_CHECKING:
     from stlc.mission import Mission
 
 Style = Literal["text", "json", "sarif", "github"]
-INTERRUPTED = 130
 INTERNAL = 70
 
 
 def run_guarded(command: click.Command) -> int:
     """Run a click command; every outcome becomes an exit status, nothing a traceback."""
     try:
-        result = command.main(standalone_mode=False, prog_name="stlc")
+        with recorded_inputs():
+            result = command.main(standalone_mode=False, prog_name="stlc")
     except click.exceptions.Abort:
         return INTERRUPTED
     except click.ClickException as error:
@@ -38,10 +40,6 @@ def run_guarded(command: click.Command) -> int:
     except StlcError as error:
         complain(str(error))
         return error.exit_status
-    except BrokenPipeError:
-        # The reader went away (`| head`): not an error; keep the interpreter from flushing again.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
     except KeyboardInterrupt:
         return INTERRUPTED
     except Exception as error:  # the last line of defence: a bug of ours, said so
@@ -151,12 +149,22 @@ def _value(text: str) -> object:
 
 
 def check_outputs(*paths: Path | None) -> None:
-    """OutputError now rather than after an hour of solving, where a file cannot be written."""
+    """OutputError now rather than after an hour of solving, where a file cannot be written.
+
+    UsageError for two outputs that are one file, or one that is an input.
+    """
     from stlc.files import check_writable
 
-    for path in paths:
-        if path is not None:
-            check_writable(path)
+    given = [path for path in paths if path is not None]
+    for path in given:
+        check_writable(path)
+    for one, other in combinations(given, 2):
+        if os.path.realpath(one) == os.path.realpath(other) and not _is_device(one):
+            raise click.UsageError(f"{one} and {other} are one file: the second would overwrite it")
+
+
+def _is_device(path: Path) -> bool:
+    return path.exists() and not path.is_file()
 
 
 def plain(value: float | None) -> str:

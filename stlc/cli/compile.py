@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stlc.cli.common import compiled_model, load, mission_options
+from stlc.cli.common import check_outputs, compiled_model, load, mission_options
 
 if TYPE_CHECKING:
     from stlc.milp.model import Model
@@ -54,6 +54,7 @@ def compile_command(
     from stlc.milp.statistics import statistics, statistics_text
 
     mission = load(file, define, allow_path)
+    check_outputs(output)
     compiled = compiled_model(mission, compile_options(encoding, disable, print_after, _show))
     if output is not None:
         from stlc.milp.writers import write_model

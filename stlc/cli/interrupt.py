@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM for commands that solve."""
+"""Ctrl-C, SIGTERM and SIGHUP: the first is a wish, the second an order."""
 
 from __future__ import annotations
 
@@ -9,53 +9,84 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import NoReturn
 
+from stlc.files import clear_scratch
+
+INTERRUPTED = 130
 _WATCHED = 0.5  # s since the last look at the flag: then somebody waits for it
+_SIGNALS = tuple(
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+)
+
+
+class _Asker:
+    """The handler. On the first signal it raises KeyboardInterrupt where nobody looks at the flag
+    (reading, compiling); the second ends the process at once: an exception more, thrown while the
+    first unwinds, would break locks in the midst of their own code."""
+
+    def __init__(self) -> None:
+        self.asked = False
+        self._looked = -_WATCHED
+
+    def __call__(self, number: int, frame: object) -> None:
+        if self.asked:
+            with suppress(OSError):
+                os.write(2, b"\nerror: interrupted again: ended at once\n")
+            end_at_once(INTERRUPTED)
+        self.asked = True
+        if time.monotonic() - self._looked > _WATCHED:
+            raise KeyboardInterrupt
+
+    def look(self) -> bool:
+        self._looked = time.monotonic()
+        signal.signal(signal.SIGINT, self)  # CBC puts its own, deaf one in its place
+        return self.asked
 
 
 @contextmanager
 def interruptible() -> Iterator[Callable[[], bool]]:
-    """A flag that the first signal sets, for those who look at it while a solver works.
-
-    Where nobody looks (reading, compiling), and from the second signal on, KeyboardInterrupt.
-    """
-    asked, looked = False, -_WATCHED
-
-    def ask(number: int, frame: object) -> None:
-        nonlocal asked
-        again, asked = asked, True
-        if again or time.monotonic() - looked > _WATCHED:
-            raise KeyboardInterrupt
-
-    def look() -> bool:
-        nonlocal looked
-        looked = time.monotonic()
-        signal.signal(signal.SIGINT, ask)  # CBC puts its own, deaf one in its place
-        return asked
-
-    before = {n: signal.signal(n, ask) for n in (signal.SIGINT, signal.SIGTERM)}
-    kept = os.dup(1)  # CBC's output is muted by redirecting it, perhaps for ever
+    """A flag that the first signal sets, for those who look at it while a solver works."""
+    asker = _Asker()
+    before = _install(asker)
     try:
-        yield look
+        yield asker.look
     finally:
-        os.dup2(kept, 1)
-        os.close(kept)
         for number, handler in before.items():
             signal.signal(number, handler)
 
 
-def leave(status: int) -> None:
+def heed_signals() -> None:
+    """For the whole of a command: interrupted, it unwinds and leaves nothing half-written."""
+    _install(_Asker())
+
+
+def _install(asker: _Asker) -> dict[int, signal.Handlers | Callable[..., object] | int | None]:
+    """The handlers that were there; what is ignored (by `nohup`) stays so."""
+    heard = [n for n in _SIGNALS if signal.getsignal(n) is not signal.SIG_IGN]
+    return {n: signal.signal(n, asker) for n in heard}
+
+
+def leave(status: int) -> NoReturn:
     """End the process; at once, with its children, when a solver was left behind in its thread."""
-    for number in (signal.SIGINT, signal.SIGTERM):  # the status stands: it is what was told
+    for number in _SIGNALS:  # the status stands: it is what was told
         signal.signal(number, signal.SIG_IGN)
     supervise = sys.modules.get("stlc.solve.supervise")  # not imported: nothing was solved
-    if supervise is None or not supervise.left_behind():
-        sys.exit(status)
-    sys.stdout.flush()
-    sys.stderr.flush()
+    if supervise is not None and supervise.left_behind():
+        end_at_once(status)
+    clear_scratch()
+    sys.exit(status)
+
+
+def end_at_once(status: int) -> NoReturn:
+    """End without unwinding, but with our children and without temporary files."""
+    for number in _SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
     for child in _children():
-        with suppress(ProcessLookupError):
-            os.kill(child, signal.SIGKILL)
+        with suppress(OSError):
+            leads = os.getpgid(child) == child
+            (os.killpg if leads else os.kill)(child, signal.SIGKILL)
+    clear_scratch()
     os._exit(status)
 
 

@@ -11,6 +11,7 @@ import click
 
 from stlc.cli.common import load, mission_options, plain, show_diagnostics
 from stlc.errors import StlcError, UsageError
+from stlc.inputs import MOST_BYTES
 
 if TYPE_CHECKING:
     from stlc.mission import Mission
@@ -65,7 +66,11 @@ def import_command(file: Path, dialect: str, step: Fraction | None, output: Path
     from stlc.files import write_atomic
     from stlc.syntax.read import decode, read_source
 
-    source = decode("<stdin>", sys.stdin.buffer.read()) if str(file) == "-" else read_source(file)
+    source = (
+        decode("<stdin>", sys.stdin.buffer.read(MOST_BYTES))
+        if str(file) == "-"
+        else read_source(file)
+    )
     imported = import_text(source, dialect, step)
     if imported.warnings:
         show_diagnostics(imported.warnings)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from stlc.cli.common import compiled_model, load, mission_options
+from stlc.cli.common import check_outputs, compiled_model, load, mission_options
 from stlc.errors import ViolationError
 
 
@@ -80,6 +80,7 @@ def read_solution_command(
     mission = load(file, define, allow_path)
     compiled = compiled_model(mission, compile_options(encoding, disable))
     x = read_solution(solution, safe_names(compiled.model)[0])
+    check_outputs(output)
     claim = Solution(Status.FEASIBLE, x, compiled.model.objective(x), solver=solution.name)
     plan, report = Judge(mission, compiled).accept(claim)
     if output is not None:

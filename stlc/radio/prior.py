@@ -7,13 +7,12 @@ sigma_k^2 = 10, l = 2 m) in the square [-5, 5]^2.
 from __future__ import annotations
 
 import argparse
-import os
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
+from stlc.files import write_atomic
 from stlc.radio.gp import ChannelModel
 from stlc.radio.samples import Samples, make_samples
 
@@ -34,13 +33,7 @@ def write_samples(samples: Samples, path: Path) -> None:
     lines = ["tx_x_m,tx_y_m,rx_x_m,rx_y_m,rssi_dbm"]
     for link, level in zip(samples.links, samples.rssi, strict=True):
         lines.append(",".join(f"{v:.3f}" for v in (*link, level)))
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write("\n".join(lines) + "\n")
-        os.replace(name, path)
-    finally:
-        Path(name).unlink(missing_ok=True)
+    write_atomic(path, "\n".join(lines) + "\n")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

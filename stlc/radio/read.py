@@ -5,8 +5,10 @@ from __future__ import annotations
 import csv
 import gzip
 import io
+import math
 import re
 import zipfile
+import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +16,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from stlc.inputs import MOST_BYTES, InputError, read_input
 from stlc.radio.errors import DataError, DataLocation
 from stlc.radio.samples import Samples
 
@@ -56,7 +59,7 @@ def read_samples(path: str | Path, options: SampleOptions | None = None) -> Samp
     Raises DataError with file, line and column for anything that cannot be read.
     """
     options = options or SampleOptions()
-    rows = list(csv.reader(io.StringIO(_read_text(Path(path)))))
+    rows = csv_rows(_read_text(Path(path)), str(path))
     if not rows:
         raise DataError("the file is empty", DataLocation(str(path)), _EXPECTED)
     columns, scale = _header(rows[0], str(path))
@@ -81,16 +84,40 @@ _EXPECTED = "the header needs tx_x, tx_y, rx_x, rx_y and rssi_dbm"
 
 
 def _read_text(path: Path) -> str:
+    raw = _content(path)
     try:
-        raw = path.read_bytes()
-        data = gzip.decompress(raw) if raw[:2] == b"\x1f\x8b" else raw
-        return data.decode("utf-8-sig")
+        return (_unpacked(raw, path) if raw[:2] == b"\x1f\x8b" else raw).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         text = "this is not a text file"
         raise DataError(text, DataLocation(str(path)), "expected a UTF-8 CSV") from error
-    except (OSError, EOFError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise DataError(f"cannot read the file: {reason}", DataLocation(str(path))) from error
+    except (OSError, EOFError, zlib.error) as error:
+        raise DataError(f"cannot unpack the file: {error}", DataLocation(str(path))) from error
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return read_input(path)
+    except InputError as error:
+        raise DataError(f"cannot read the file: {error}", DataLocation(str(path))) from None
+
+
+def _unpacked(raw: bytes, path: Path) -> bytes:
+    """No more than an input may have: a few kilobytes can unpack to gigabytes."""
+    with gzip.GzipFile(fileobj=io.BytesIO(raw)) as packed:
+        data = packed.read(MOST_BYTES + 1)
+    if len(data) > MOST_BYTES:
+        text = f"it unpacks to more than {MOST_BYTES // 2**20} MiB"
+        raise DataError(text, DataLocation(str(path)))
+    return data
+
+
+def csv_rows(text: str, path: str) -> list[list[str]]:
+    """The cells of a CSV text. DataError, with the line, for what is no CSV."""
+    reader = csv.reader(io.StringIO(text))
+    try:
+        return list(reader)
+    except csv.Error as error:  # a field of more than 128 kB
+        raise DataError(f"not a CSV file: {error}", DataLocation(path, reader.line_num)) from None
 
 
 def _plain(name: str) -> tuple[str, str]:
@@ -196,7 +223,7 @@ def read_table(path: str | Path, name: str | None = None) -> Array:
     location = Path(path)
     if location.suffix.lower() == ".npz":
         return _read_npz(location, name)
-    rows = [r for r in csv.reader(io.StringIO(_read_text(location))) if r]
+    rows = [r for r in csv_rows(_read_text(location), str(path)) if r]
     if not rows:
         raise DataError("the file is empty", DataLocation(str(path)))
     for line, row in enumerate(rows, start=1):
@@ -213,18 +240,16 @@ def read_table(path: str | Path, name: str | None = None) -> Array:
 
 def _read_npz(path: Path, name: str | None) -> Array:
     where = DataLocation(str(path))
+    data = _content(path)
+    if data[:6] == b"\x93NUMPY":
+        raise DataError("this is one array (.npy), not an archive", where, "use numpy.savez")
     try:
-        with np.load(path, allow_pickle=False) as archive:
-            names = list(archive.files)
-            if name is None and len(names) != 1:
-                raise DataError(f"{len(names)} arrays in the file: {', '.join(names)}", where)
-            chosen = names[0] if name is None else name
-            if chosen not in names:
-                raise DataError(f"no array {chosen!r}; there are: {', '.join(names)}", where)
-            values = archive[chosen]
-    except (OSError, EOFError, ValueError, zipfile.BadZipFile) as error:
-        if isinstance(error, DataError):
-            raise
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            values = _member(archive, _choice(archive.namelist(), name, where), where)
+    except DataError:
+        raise
+    except (OSError, EOFError, ValueError, KeyError, NotImplementedError, RuntimeError,
+            zipfile.BadZipFile, zlib.error) as error:  # fmt: skip
         raise DataError(f"cannot read the file: {error}", where) from error
     if values.ndim not in (1, 2) or values.dtype.kind not in "fiu":
         text = f"array of shape {values.shape} and type {values.dtype}"
@@ -233,3 +258,37 @@ def _read_npz(path: Path, name: str | None) -> Array:
     if not np.isfinite(table).all():
         raise DataError("the table holds values that are not finite", where)
     return table
+
+
+def _choice(members: Sequence[str], name: str | None, where: DataLocation) -> str:
+    """The member that is meant; `name` goes without the ending .npy."""
+    names = [m.removesuffix(".npy") for m in members]
+    if name is None and len(names) != 1:
+        raise DataError(f"{len(names)} arrays in the file: {', '.join(names)}", where)
+    if name is not None and name not in names:
+        raise DataError(f"no array {name!r}; there are: {', '.join(names)}", where)
+    return members[0 if name is None else names.index(name)]
+
+
+def _member(archive: zipfile.ZipFile, member: str, where: DataLocation) -> Array:
+    """One array, unpacked only as far as it may go: a header can claim any size."""
+    with archive.open(member) as packed:
+        data = packed.read(MOST_BYTES + 1)
+    if len(data) > MOST_BYTES:
+        raise DataError(f"{member} unpacks to more than {MOST_BYTES // 2**20} MiB", where)
+    stream = io.BytesIO(data)
+    version = np.lib.format.read_magic(stream)
+    read = (
+        np.lib.format.read_array_header_1_0
+        if version == (1, 0)
+        else (np.lib.format.read_array_header_2_0)
+    )
+    shape, _, kind = read(stream)
+    if kind.hasobject:
+        raise DataError("the array holds pickled objects, which are never read", where)
+    claimed = math.prod(shape) * kind.itemsize
+    if claimed > len(data) - stream.tell():
+        problem = f"the array claims {claimed} bytes, the file holds {len(data) - stream.tell()}"
+        raise DataError(problem, where)
+    stream.seek(0)
+    return np.lib.format.read_array(stream, allow_pickle=False)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from os import PathLike
-from pathlib import Path
 from typing import Final
 
 from stlc.diagnostics import Diagnostic
 from stlc.errors import MissionError, UsageError
+from stlc.inputs import InputError, TooLargeError, read_input
 from stlc.source import Source
 from stlc.syntax.errors import NotText, TooLarge
 from stlc.syntax.screen import MAX_FILE
@@ -26,14 +26,13 @@ def read_source(path: str | PathLike[str]) -> Source:
     """
     name = str(path)
     try:
-        size = Path(path).stat().st_size
-        data = Path(path).read_bytes() if size <= 4 * MAX_FILE else b""
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise UsageError(f"cannot read `{name}`: {reason or error}") from error
-    if size > 4 * MAX_FILE:
+        data = read_input(path, 4 * MAX_FILE)
+    except TooLargeError as error:
         span = Source(name, "").span(0, 0)
-        raise MissionError([TooLarge(span=span, what="the file", size=size, limit=MAX_FILE)])
+        mistake = TooLarge(span=span, what="the file", size=error.size, limit=MAX_FILE)
+        raise MissionError([mistake]) from None
+    except InputError as error:
+        raise UsageError(f"cannot read `{name}`: {error}") from None
     return decode(name, data)
 
 

@@ -170,7 +170,7 @@ def test_import_from_standard_input(monkeypatch: Patch, capsys: Capture) -> None
     class Input:
         class buffer:
             @staticmethod
-            def read() -> bytes:
+            def read(most: int) -> bytes:
                 return b"always[0,5] (x >= 3)"
 
     monkeypatch.setattr("sys.stdin", Input)

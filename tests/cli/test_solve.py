@@ -146,7 +146,7 @@ def test_a_cut_between_samples_is_told(tmp_path: Path) -> None:
 
 
 def test_a_limit_with_a_plan_in_hand_is_good(tmp_path: Path) -> None:
-    words = ("solve", long_mission(tmp_path), "--strategy", "milp", "-o", "p.json", "--json")
+    words = ("solve", long_mission(tmp_path, 12), "--strategy", "milp", "-o", "p.json", "--json")
     done = stlc(*words, "--time-limit", 6, folder=tmp_path)
     assert done.returncode == 0, done.stderr
     said = json.loads(done.stdout)

@@ -119,7 +119,7 @@ def test_what_is_no_plan_is_said_clearly(text, words):
 def test_missing_file_and_folder(tmp_path):
     with pytest.raises(UsageError, match="no such file"):
         read_plan(tmp_path / "none.json")
-    with pytest.raises(UsageError, match="cannot read it"):
+    with pytest.raises(UsageError, match="is a folder"):
         read_plan(tmp_path)
 
 

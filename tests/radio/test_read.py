@@ -1,9 +1,12 @@
 import gzip
+import io
+import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from stlc.radio import read
 from stlc.radio.errors import DataError
 from stlc.radio.prior import PAPER_CHANNEL, draw_samples, main
 from stlc.radio.read import SampleOptions, read_samples, read_table
@@ -55,7 +58,7 @@ def test_bad_sample_files_are_located(tmp_path, text, message):
 
 
 def test_missing_and_binary_files(tmp_path):
-    with pytest.raises(DataError, match="No such file"):
+    with pytest.raises(DataError, match="no such file"):
         read_samples(tmp_path / "none.csv")
     path = tmp_path / "b.csv"
     path.write_bytes(b"\xff\xfe\x00\x81")
@@ -81,7 +84,7 @@ def test_tables_from_csv_and_npz(tmp_path):
 
 def test_pickled_and_broken_archives_are_refused(tmp_path):
     np.savez(tmp_path / "p.npz", a=np.array([{"x": 1}], dtype=object))
-    with pytest.raises(DataError, match="cannot read"):
+    with pytest.raises(DataError, match="never read"):
         read_table(tmp_path / "p.npz")
     (tmp_path / "q.npz").write_bytes(b"not an archive")
     with pytest.raises(DataError, match="cannot read"):
@@ -112,3 +115,52 @@ def test_report_prints_and_draws(tmp_path):
 def test_draws_depend_on_the_seed_alone():
     one, two = (draw_samples(PAPER_CHANNEL, -5, 5, 10, 2) for _ in range(2))
     np.testing.assert_array_equal(one.rssi, two.rssi)
+
+
+def _archive(path, data):
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("a.npy", data)
+
+
+def test_an_archive_that_claims_more_than_it_holds(tmp_path):
+    """Terabytes by its header: refused before any memory is asked for."""
+    stream = io.BytesIO()
+    claim = {"descr": "<f8", "fortran_order": False, "shape": (1_000_000, 1_000_000)}
+    np.lib.format.write_array_header_1_0(stream, claim)
+    _archive(tmp_path / "claims.npz", stream.getvalue() + bytes(80))
+    with pytest.raises(DataError, match="claims 8000000000000 bytes, the file holds 80"):
+        read_table(tmp_path / "claims.npz")
+
+
+def test_what_unpacks_without_end(tmp_path, monkeypatch):
+    monkeypatch.setattr(read, "MOST_BYTES", 2**20)
+    _archive(tmp_path / "bomb.npz", bytes(2**22))
+    with pytest.raises(DataError, match="unpacks to more than 1 MiB"):
+        read_table(tmp_path / "bomb.npz")
+    (tmp_path / "bomb.csv.gz").write_bytes(gzip.compress(bytes(2**22)))
+    with pytest.raises(DataError, match="unpacks to more than 1 MiB"):
+        read_samples(tmp_path / "bomb.csv.gz")
+
+
+def test_files_under_the_wrong_name(tmp_path):
+    np.save(tmp_path / "a.npy", np.ones((2, 2)))
+    np.savez(tmp_path / "b.npz", np.ones((2, 2)))
+    (tmp_path / "one.npz").write_bytes((tmp_path / "a.npy").read_bytes())
+    with pytest.raises(DataError, match="one array"):
+        read_table(tmp_path / "one.npz")
+    for source, name in (("a.npy", "c.csv"), ("b.npz", "d.csv"), ("a.npy", "a.npy")):
+        (tmp_path / name).write_bytes((tmp_path / source).read_bytes())
+        with pytest.raises(DataError, match="not a"):
+            read_table(tmp_path / name)
+    (tmp_path / "text.npz").write_text("1,2\n3,4\n")
+    with pytest.raises(DataError, match="cannot read"):
+        read_table(tmp_path / "text.npz")
+
+
+def test_cells_beyond_all_measure(tmp_path):
+    (tmp_path / "a.csv").write_text("1,2\n" + "9" * 200_000 + ",4\n")
+    with pytest.raises(DataError, match=r"a\.csv:2: not a CSV file: field larger"):
+        read_table(tmp_path / "a.csv")
+    (tmp_path / "b.csv").write_text("1,2\n3,\0\n")
+    with pytest.raises(DataError, match=r"b\.csv:2"):
+        read_table(tmp_path / "b.csv")

@@ -17,6 +17,7 @@ import numpy as np
 
 from stlc.arrays import Floats
 from stlc.errors import NoPlanError, UsageError
+from stlc.inputs import InputError, read_input
 from stlc.milp.writers.form import CONSTANT
 
 
@@ -62,9 +63,9 @@ def read_solution(path: str | os.PathLike[str], names: Sequence[str]) -> Floats:
 
 def _lines(path: Path) -> list[Line]:
     try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise UsageError(f"cannot read {path}: {error.strerror}") from error
+        text = read_input(path).decode("utf-8-sig")
+    except InputError as error:
+        raise UsageError(f"cannot read {path}: {error}") from error
     except UnicodeDecodeError as error:
         raise UsageError(f"{path} is not a text file") from error
     rows = [Line(str(path), k, row) for k, row in enumerate(text.splitlines(), 1)]
