@@ -94,6 +94,16 @@ EXAMPLES: Final[dict[str, tuple[str, str]]] = {
         "require a: always[0, 5] r1.x <= (4 m)^0.5",
         "require a: always[0, 5] r1.x <= 4^0.5 * 1 m",
     ),
+    "E0308": (
+        "dynamics k { A = [[800]]; B = [[1]]; continuous }\n"
+        "agent t : k { start 0; control |u| <= 1 }\nrequire a: eventually[0, 5] t.x0 >= 1",
+        "dynamics k { A = [[0.8]]; B = [[1]]; continuous }\n"
+        "agent t : k { start 0; control |u| <= 1 }\nrequire a: eventually[0, 5] t.x0 >= 1",
+    ),
+    "E0309": (
+        "channel c { path_loss L0 = -12 dBm, n = 3; d0 1e-300 m; partition 4 x 4 }",
+        "channel c { path_loss L0 = -12 dBm, n = 3; d0 0.1 m; partition 4 x 4 }",
+    ),
     "E0401": (
         "region g = polygon (0, 0) (2, 2) (2, 0) (0, 2)",
         "region g = polygon (0, 0) (2, 0) (2, 2) (0, 2)",

@@ -4,7 +4,8 @@ Forward, exact for box inputs without state bounds (support functions of the rea
 axes): x_t = A^t x_0 + sum_k A^k (B u + drift). Then bounds propagation on the dynamics equalities
 in both directions and on linear rows that must hold, to a fixed number of sweeps: each equality
 sum_j a_j y_j = 0 bounds y_i by the interval of the others (Savelsbergh, Preprocessing and probing
-techniques for MIP, 1994). Every interval stays sound after any number of sweeps.
+techniques for MIP, 1994). Every interval stays sound after any number of sweeps, and under
+rounding; a range that doubles can't hold is a located error, never an empty interval.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stlc.analysis.doubles import check_held
 from stlc.analysis.ranges import Ranges
 from stlc.arrays import Floats
 from stlc.errors import InfeasibleError
@@ -23,6 +25,7 @@ from stlc.mission import Agent, Mission, NormBound, PolygonKind, Polytope
 _SWEEPS = 3
 _SLACK = 1e-9  # keeps rounding from cutting off a feasible point
 _DUST = 4 * _SLACK
+_ROUNDING = 16 * float(np.finfo(float).eps)  # of a row's sum, for its terms; some to spare
 
 
 @dataclass(slots=True, eq=False)
@@ -99,16 +102,36 @@ def _forward(box: Box) -> None:
     power = np.eye(len(dynamics.A))
     centre = box.agent.start.astype(float)
     low = high = np.zeros(len(centre))
-    for step in range(len(box.u_lower)):
-        gain = power @ dynamics.B
-        # Inputs are bounded alike at all steps, so step 0's box serves every power.
-        ends = _interval(gain, box.u_lower[0], box.u_upper[0])
-        low = low + ends[0] + power @ dynamics.drift
-        high = high + ends[1] + power @ dynamics.drift
-        power = dynamics.A @ power
-        centre = dynamics.A @ centre
-        box.x_lower[step + 1] = np.maximum(box.x_lower[step + 1], centre + low - _SLACK)
-        box.x_upper[step + 1] = np.minimum(box.x_upper[step + 1], centre + high + _SLACK)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for step in range(len(box.u_lower)):
+            gain = power @ dynamics.B
+            # Inputs are bounded alike at all steps, so step 0's box serves every power.
+            ends = _interval(gain, box.u_lower[0], box.u_upper[0])
+            low = low + ends[0] + power @ dynamics.drift
+            high = high + ends[1] + power @ dynamics.drift
+            power = dynamics.A @ power
+            centre = dynamics.A @ centre
+            size = np.abs(centre) + _finite_size(low) + _finite_size(high)
+            slack = _SLACK + _ROUNDING * (step + 1) * size
+            _meet(box, step + 1, centre + low - slack, centre + high + slack)
+            if (box.x_lower[step + 1] > box.x_upper[step + 1]).any():
+                return  # `propagate` says so
+
+
+def _meet(box: Box, step: int, low: Floats, high: Floats) -> None:
+    """Intersect the states at a step with what the dynamics can reach.
+
+    Raises MissionError where nothing else bounds a state that grows beyond doubles.
+    """
+    inputs = np.isfinite(box.u_lower[0]).all() and np.isfinite(box.u_upper[0]).all()
+    declared = np.stack([box.x_lower[step], box.x_upper[step]])
+    check_held(box.agent, step, declared, np.stack([low, high]), bounded_inputs=bool(inputs))
+    box.x_lower[step] = np.fmax(box.x_lower[step], low)  # NaN is no knowledge
+    box.x_upper[step] = np.fmin(box.x_upper[step], high)
+
+
+def _finite_size(values: Floats) -> Floats:
+    return np.where(np.isfinite(values), np.abs(values), 0.0)
 
 
 def _interval(matrix: Floats, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
@@ -159,12 +182,14 @@ def _equalities(box: Box, matrix: Floats, step: int) -> None:
     least, most = np.minimum(a, b), np.maximum(a, b)
     drift = box.agent.dynamics.drift
     next_low, next_high = box.x_lower[step + 1], box.x_upper[step + 1]
-    np.maximum(next_low, least.sum(axis=1) + drift - _SLACK, out=next_low)
-    np.minimum(next_high, most.sum(axis=1) + drift + _SLACK, out=next_high)
+    size = (_finite_size(least) + _finite_size(most)).sum(axis=1) + np.abs(drift)
+    rounding = _ROUNDING * (size + _finite_size(next_low) + _finite_size(next_high))
+    np.maximum(next_low, least.sum(axis=1) + drift - _SLACK - rounding, out=next_low)
+    np.minimum(next_high, most.sum(axis=1) + drift + _SLACK + rounding, out=next_high)
     rest_low = _without(least)
     rest_high = _without(most)
-    room_high = (next_high - drift)[:, None] - rest_low
-    room_low = (next_low - drift)[:, None] - rest_high
+    room_high = (next_high - drift + rounding)[:, None] - rest_low
+    room_low = (next_low - drift - rounding)[:, None] - rest_high
     with np.errstate(divide="ignore", invalid="ignore"):
         x = room_low / matrix
         y = room_high / matrix
@@ -210,7 +235,7 @@ def _apply(boxes: Mapping[str, Box], predicate: Linear, level: float) -> None:
 
 
 def _check(box: Box, why: str) -> None:
-    gap = box.x_lower - box.x_upper
+    gap = box.x_lower - box.x_upper - _ROUNDING * _finite_size(box.x_lower)
     if gap.size and gap.max() > 1e-6:
         step, index = np.unravel_index(int(gap.argmax()), gap.shape)
         name = box.agent.dynamics.states[int(index)]

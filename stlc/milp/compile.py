@@ -29,6 +29,7 @@ from stlc.milp.formulas.selectors import selector_named
 from stlc.milp.layout import Layout
 from stlc.milp.model import Model, Origin
 from stlc.milp.stage_rows import add_cuts, add_hulls
+from stlc.milp.unsolvable import check_controlled, check_magnitudes
 from stlc.mission import Mission
 from stlc.passes import PassStats, Program, run_pipeline
 from stlc.trajectories import Trajectories
@@ -104,10 +105,11 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     """Compile.
 
     Raises InfeasibleError where the analysis proves that no run exists, UsageError for an unknown
-    option, MissionError (located) for signals of too wide a range.
+    option, MissionError (located) for recorded signals and for numbers that no solver can take.
     """
     options = options or CompileOptions()
     began = time.perf_counter()
+    check_controlled(mission)
     tables = LinkTables(mission)
     program = Program(mission.requirements, mission, reach(mission), tables)
     program, passes = run_pipeline(
@@ -122,6 +124,7 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
         _add_stages(ctx, program)
     notes += add_objective(ctx, tables, options.link)
     model = ctx.builder.build()
+    check_magnitudes(model)
     stats = CompileStats(sizes(model), passes, time.perf_counter() - began, notes)
     robustness = {g.requirement: (rho[g], g.low, g.high) for g in goals}
     named = {f"require {r.name}": r for r in program.requirements}

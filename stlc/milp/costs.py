@@ -83,7 +83,8 @@ def _entries(cols: Ints, weights: Floats, lower: Floats, upper: Floats) -> _Entr
 
 def _add_absolute(ctx: Context, part: _Entries, weight: float) -> Ints:
     """The columns that carry the cost."""
-    costs = weight * part.weights
+    with np.errstate(over="ignore"):  # `check_magnitudes` tells where
+        costs = weight * part.weights
     known = (part.lower >= 0) | (part.upper <= 0)
     signs = np.where(part.lower >= 0, 1.0, -1.0)
     ctx.builder.add_cost(part.cols[known], (signs * costs)[known])

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from stlc.analysis.bounds import static_bounds
+from stlc.analysis.doubles import RangeLost
 from stlc.analysis.reach import reach
 from stlc.errors import InfeasibleError
 from stlc.ir.nodes import Always, And, Eventually, Link, Node, Quantity, Until
@@ -106,8 +107,14 @@ class _Analysis:
     def _earliest(self, node: Node, step: int) -> int | None:
         body = node.arg if isinstance(node, Eventually) else node
         longer = replace(self.mission, horizon=_LONGER * self.mission.horizon + 20)
-        steps = range(step, longer.horizon + 1)
-        possible = self._possible([(body, t) for t in steps], longer)
+        try:
+            return self._first_possible(body, step, longer)
+        except RangeLost:  # later than doubles can follow it
+            return self._first_possible(body, step, self.mission)
+
+    def _first_possible(self, body: Node, step: int, mission: Mission) -> int | None:
+        steps = range(step, mission.horizon + 1)
+        possible = self._possible([(body, t) for t in steps], mission)
         return next((t for t, may in zip(steps, possible, strict=True) if may), None)
 
     def _possible(self, parts: Sequence[tuple[Node, int]], mission: Mission) -> list[bool]:

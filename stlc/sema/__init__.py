@@ -62,12 +62,15 @@ def load_all_diagnostics() -> None:
         "stlc.syntax.errors",
         "stlc.sema.name_errors",
         "stlc.sema.unit_errors",
+        "stlc.sema.number_errors",
         "stlc.sema.shape_errors",
         "stlc.sema.time_errors",
         "stlc.sema.channel_errors",
         "stlc.sema.objective_errors",
         "stlc.sema.warnings",
         "stlc.dialects.errors",
+        "stlc.analysis.doubles",
         "stlc.milp.big_m",
+        "stlc.milp.unsolvable",
     ):
         import_module(name)

@@ -16,7 +16,7 @@ from stlc.sema.name_errors import UnknownName, WrongKind
 from stlc.sema.report import Mistake, Reported, suggested_fix, suggestion
 from stlc.sema.scope import EMPTY, Scope
 from stlc.sema.shape_errors import FrozenAtStart, MissingStart, TurnRateNeeds
-from stlc.sema.shapes import Shaper
+from stlc.sema.shapes import Shaper, near
 from stlc.sema.units import KILOGRAM, METRE, SPEED
 from stlc.sema.values import Env, Items, Radio, Scalar
 from stlc.sema.warnings import OneSided
@@ -176,9 +176,11 @@ def start(
         where = props.numbers(expr, scope, (METRE, METRE), env)
         full = np.zeros(n)
         full[[int(np.argmax(row)) for row in base.position]] = where
-        return full
-    units = [unit_of(u) for u in base.state_units]
-    return props.numbers(expr, scope, units, env)
+    else:
+        full = props.numbers(expr, scope, [unit_of(u) for u in base.state_units], env)
+    for row in () if base.position is None else base.position:
+        near(float(row @ full), expr.span)
+    return full
 
 
 def _weights(

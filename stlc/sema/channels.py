@@ -13,6 +13,7 @@ from stlc.sema.channel_errors import BadChannel, RayleighWithFading
 from stlc.sema.costs import pairs_of
 from stlc.sema.files import Files
 from stlc.sema.links import missing
+from stlc.sema.number_errors import OutOfScale
 from stlc.sema.partitions import partition
 from stlc.sema.report import Mistake, Reported
 from stlc.sema.scope import Scope
@@ -38,6 +39,15 @@ MODULATIONS = (
 )  # fmt: skip
 KERNELS = ("symmetrised", "paper_min")
 BOUNDS = tuple(b.value for b in Bound)
+_LEVEL = (-1000.0, 1000.0)  # dB; 10^(x/10) overflows at 3082
+_LENGTH = (1e-6, 1e9)  # m; quotients of a distance and a length, and their squares, stay finite
+_SCALES = {
+    "L0": _LEVEL, "noise_floor": _LEVEL, "noise_figure": _LEVEL, "sensitivity": _LEVEL,
+    "n": (-100.0, 100.0), "length": _LENGTH, "d0": _LENGTH,
+    "fading": (0.0, 1e4), "shadowing": (0.0, 1e4), "deviation": (0.0, 1e3),
+    "bandwidth": (1e-6, 1e15), "rate": (1e-6, 1e15), "packet": (0.125, 1e9),
+}  # fmt: skip
+"""Least and greatest positive value of each number, in its unit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +62,8 @@ class Reader:
         item = self.block.get(key)
         if item is None:
             return default
-        return props.number(item, unit, f"{key} 1 {unit}".strip(), self.scope)
+        value = props.number(item, unit, f"{key} 1 {unit}".strip(), self.scope)
+        return self.in_scale(item, value)
 
     def variance(self, key: str) -> float:
         """A variance in dB^2, or a standard deviation in dB; 0 if absent."""
@@ -63,9 +74,20 @@ class Reader:
         scalar = self.scope.constant(expr)
         if scalar.constant < 0:
             raise props.bad(item, "can't be negative", f"{key} 10 dB^2")
-        if scalar.unit == units.DB:
-            return scalar.constant**2
-        return self.scope.number(expr, units.DB2)
+        squared = scalar.unit == units.DB
+        value = scalar.constant if squared else self.scope.number(expr, units.DB2)
+        value = self.in_scale(item, value)
+        return value**2 if squared else value
+
+    def in_scale(self, item: ast.Property, value: float) -> float:
+        """The value. Raises Mistake where it is none that the formulas of radio can bear."""
+        least, most = _SCALES[item.key.text]
+        if (value > 0 and not least <= value <= most) or value < -most:
+            name = item.key.text
+            raise Mistake(
+                OutOfScale(span=item.span, name=name, value=value, least=least, most=most)
+            )
+        return value
 
     def word(self, key: str, choices: tuple[str, ...], default: str) -> str:
         """One of the words, or the default."""
@@ -222,7 +244,7 @@ def _packet(reader: Reader) -> float | None:
     size = scalar.constant if scalar.unit is None else reader.scope.number(expr, units.BIT) / 8.0
     if size <= 0:
         raise props.bad(item, "must be above 0", "packet 32 bytes")
-    return size
+    return reader.in_scale(item, size)
 
 
 def _check_fading(reader: Reader, model: ChannelModel, budget: LinkBudget) -> None:

@@ -11,6 +11,7 @@ from stlc.ir.nodes import Role, Signal
 from stlc.mission import Array, Dynamics
 from stlc.sema import props
 from stlc.sema.compare import unit_name
+from stlc.sema.discretise import discretised
 from stlc.sema.members import unit_of
 from stlc.sema.name_errors import Redeclared, UnknownName
 from stlc.sema.report import Mistake, suggested_fix, suggestion
@@ -120,7 +121,8 @@ def from_matrices(statement: ast.DynamicsDecl, block: props.Block, scope: Scope)
     a, b, drift = _matrices(statement, block, scope)
     n, m = b.shape
     if block.get("continuous") is not None:
-        a, b, drift = zero_order_hold(a, b, drift, scope.step)
+        name, span = statement.name.text, block.by_key["A"].span
+        a, b, drift = discretised(a, b, drift, scope.step, name, span)
     states = _names(block, "states", "x", n)
     inputs = _names(block, "inputs", "u", m)
     position = _indices(block, "position", states) or _default(states, ("px", "py"))
@@ -173,17 +175,6 @@ def _wrong_shape(
 ) -> MatrixShape:
     texts = [" x ".join(str(k) for k in shape) for shape in (found, expected)]
     return MatrixShape(span=item.span, name=item.key.text, found=texts[0], expected=texts[1])
-
-
-def zero_order_hold(a: Array, b: Array, drift: Array, dt: float) -> tuple[Array, Array, Array]:
-    """Exact discretisation for inputs constant over a step: expm of the augmented matrix."""
-    from scipy.linalg import expm
-
-    n, m = b.shape
-    augmented = np.zeros((n + m + 1, n + m + 1))
-    augmented[:n] = np.column_stack([a, b, drift])
-    discrete = np.asarray(expm(augmented * dt), dtype=np.float64)
-    return discrete[:n, :n], discrete[:n, n : n + m], discrete[:n, n + m]
 
 
 def _names(block: props.Block, key: str, letter: str, count: int) -> tuple[str, ...]:

@@ -177,7 +177,7 @@ class Shaper:
     def _inflation(self, statement: ast.ObstacleDecl) -> float:
         if statement.inflate is None:
             return 0.0
-        grow = self.scope.number(statement.inflate, METRE)
+        grow = near(self.scope.number(statement.inflate, METRE), statement.inflate.span)
         if grow < 0:
             hint = "an obstacle grows by the size of the robot: `inflate 0.3 m`"
             raise Mistake(

@@ -5,8 +5,11 @@ from __future__ import annotations
 import warnings
 
 import numpy as np
+import pytest
 
 from stlc.analysis.reach import reach
+from stlc.errors import InfeasibleError, MissionError
+from stlc.milp.compile import compile_mission
 from stlc.mission import Mission
 
 FREE = """step 1 s
@@ -26,3 +29,76 @@ def test_what_nothing_bounds_stays_infinite() -> None:
     assert np.isposinf(ranges.state_upper[2:]).all()
     assert np.isneginf(ranges.input_lower).all()
     assert np.isposinf(ranges.input_upper).all()
+
+
+UNSTABLE = """step 1 s
+horizon 50
+dynamics k { A = [[10, 0], [0, 1]]; B = [[1, 0], [0, 1]]; states px py }
+agent r : k { start (START, 1); control |u| <= 1; BOUND }
+require a: eventually[0, 50] r.y >= 2 m
+"""
+
+
+def unstable(start: str, bound: str = "") -> Mission:
+    text = UNSTABLE.replace("START", start).replace("BOUND", bound)
+    return Mission.from_text(text, name="unstable.stl")
+
+
+@pytest.mark.parametrize("start", ["1", "0"])
+def test_a_state_that_outgrows_doubles_is_a_located_error(start: str) -> None:
+    with pytest.raises(MissionError) as caught:
+        compile_mission(unstable(start))
+    (found,) = caught.value.diagnostics
+    assert found.code == "E0803"
+    assert found.span is not None
+    assert found.span.line == 4
+
+
+def test_powers_of_a_that_overflow_are_a_located_error() -> None:
+    text = UNSTABLE.replace("[[10, 0]", "[[1e300, 0]").replace("START", "0").replace("BOUND", "")
+    with pytest.raises(MissionError, match="E0803"):
+        compile_mission(Mission.from_text(text))
+
+
+def test_bounds_keep_an_unstable_state_within_doubles() -> None:
+    assert compile_mission(unstable("0", "px in [-5, 5]")).model.columns
+    with pytest.raises(InfeasibleError, match="no value of px is left at step 2"):
+        compile_mission(unstable("1", "px in [-5, 5]"))
+
+
+def test_unbounded_inputs_leave_an_unstable_state_unbounded() -> None:
+    text = UNSTABLE.replace("START", "1").replace("control |u| <= 1; BOUND", "u1 <= 1")
+    ranges = reach(Mission.from_text(text))["r"]
+    assert np.isposinf(ranges.state_upper[50, 0])
+
+
+@pytest.mark.parametrize("offset", [0.0, 5e6, 1e9])
+def test_far_from_the_origin_rounding_cuts_nothing_off(offset: float) -> None:
+    """The steps of a walk that just arrives, hundreds of steps long."""
+    text = f"""step 0.1 s
+horizon 800
+param o = {offset!r} m
+agent r : double_integrator {{ start (o, o); vx in [-1, 1]; vy in [-1, 1]; control |u| <= 0.1 }}
+require a: always[800, 800] (r.x >= o + 70 m and r.y <= o - 70 m)
+"""
+    mission = Mission.from_text(text)
+    ranges = reach(mission, within=reach(mission))["r"]
+    drive = np.concatenate([np.full(100, 0.1), np.zeros(700)])
+    x = np.array([offset, offset, 0.0, 0.0])
+    dynamics = mission.agents["r"].dynamics
+    for step, u in enumerate(drive):
+        x = dynamics.A @ x + dynamics.B @ np.array([u, -u])
+        assert (x >= ranges.state_lower[step + 1] - 1e-6).all()
+        assert (x <= ranges.state_upper[step + 1] + 1e-6).all()
+
+
+def test_small_entries_do_not_make_rounding_large() -> None:
+    """A state that barely moves another says nothing about where it is itself."""
+    text = """horizon 3
+dynamics k { A = [[1, 1e-13], [0, 1]]; B = [[0], [1]]; states px py }
+agent r : k { start (100, 0); control |u| <= 1 }
+require a: always[0, 3] r.px >= 99 m
+"""
+    ranges = reach(Mission.from_text(text))["r"]
+    assert ranges.state_lower[3, 1] <= -3
+    assert ranges.state_upper[3, 1] >= 3

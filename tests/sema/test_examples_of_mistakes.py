@@ -30,7 +30,19 @@ USED = """require used: eventually[0, 5] (r1 in dock and r1 in yard and r1 outsi
 # need files, options, a search, another tool's language, or thousands of lines
 UNSHOWN = {
     *("E0106", "E0112", "E0113", "E0114", "E0212", "E0213", "E0215", "E0216", "E0220", "E0222"),
-    *("E0411", "E0607", "E0608", "E0801", "E0802", "W1007", "W1009", "W1101"),
+    *(
+        "E0411",
+        "E0607",
+        "E0608",
+        "E0801",
+        "E0802",
+        "E0803",
+        "E0804",
+        "E0805",
+        "W1007",
+        "W1009",
+        "W1101",
+    ),
     *("E0901", "E0902", "E0903", "E0904", "E0905", "E0906", "W0901", "W0902", "W0903"),
 }
 

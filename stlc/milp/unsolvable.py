@@ -1,0 +1,80 @@
+"""What no MILP can say of a mission, found before or after it is built: located errors."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from stlc.diagnostics import Diagnostic
+from stlc.errors import MissionError
+from stlc.ir.nodes import Linear, Role, walk
+from stlc.milp.model import Block, Model
+from stlc.mission import Mission
+from stlc.source import Span
+
+LARGEST_COEFFICIENT = 1e15
+"""HiGHS refuses larger ones; beside a 1 they leave a double no digit."""
+
+LARGEST_COST = 1e20
+"""HiGHS takes this for infinity."""
+
+
+class RecordedSignal(Diagnostic):
+    """A requirement on a recorded signal is to be planned for.
+
+    A `signal` is a column of a recording: nobody controls it, so no plan can be made for it.
+    `stlc monitor` judges requirements on recordings. What a plan may choose is a state or an input
+    of an agent.
+    """
+
+    code: ClassVar[str] = "E0804"
+    title: ClassVar[str] = "nobody controls the recorded signal `{name}`"
+    label: ClassVar[str] = "no plan can be made for it"
+    help: ClassVar[str] = "judge a recording by `stlc monitor FILE TRACE.csv`, or declare an agent"
+    name: str
+
+
+class TooLargeNumber(Diagnostic):
+    """A coefficient or a weight is so large that solvers refuse the model or lose its digits."""
+
+    code: ClassVar[str] = "E0805"
+    title: ClassVar[str] = "`{origin}` makes a {what} of {value:.3g}"
+    label: ClassVar[str] = "too large for a solver's arithmetic, which ends at {limit:.0e}"
+    help: ClassVar[str] = "choose a larger unit, or check the numbers"
+    origin: str
+    what: str
+    value: float
+    limit: float
+
+
+def check_controlled(mission: Mission) -> None:
+    """Raise MissionError for requirements on signals that nobody controls."""
+    found: dict[str, Span | None] = {}
+    for requirement in mission.requirements:
+        for node in walk(requirement.formula):
+            for signal, _ in node.terms if isinstance(node, Linear) else ():
+                if signal.role is Role.FREE:
+                    found.setdefault(signal.owner, node.span or requirement.span)
+    if found:
+        raise MissionError([RecordedSignal(span=span, name=name) for name, span in found.items()])
+
+
+def check_magnitudes(model: Model) -> None:
+    """Raise MissionError at the origin of a coefficient or cost that solvers can't take."""
+    large = np.flatnonzero(~(np.abs(model.A.data) < LARGEST_COEFFICIENT))
+    if len(large):
+        row = int(np.searchsorted(model.A.indptr, large[0], side="right")) - 1
+        value, limit = float(model.A.data[large[0]]), LARGEST_COEFFICIENT
+        raise MissionError([_too_large(model.row_block(row), "coefficient", value, limit)])
+    dear = np.flatnonzero(~(np.abs(model.c) < LARGEST_COST))
+    if len(dear):
+        column = int(dear[0])
+        block = max((b for b in model.col_blocks if b.start <= column), key=lambda b: b.start)
+        value = float(model.c[column])
+        raise MissionError([_too_large(block, "weight", value, LARGEST_COST)])
+
+
+def _too_large(block: Block, what: str, value: float, limit: float) -> TooLargeNumber:
+    span, origin = block.origin.span, block.origin.label
+    return TooLargeNumber(span=span, origin=origin, what=what, value=value, limit=limit)
