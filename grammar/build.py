@@ -16,7 +16,8 @@ _TERMINAL = re.compile(r'^([A-Z_]+): ("[^\n]*")$', re.M)
 _SPELLING = re.compile(r'"([^"]+)"')
 # Terminals that carry something the tree needs; all others only guide the parser.
 _KEPT = frozenset(
-    {"NAME", "KEY", "NUMBER", "STRING", "UNIT", "SWEPT", "LE", "LT", "GE", "GT", "EQEQ", "NE"}
+    {"NAME", "KEY", "NUMBER", "STRING", "UNIT", "SWEPT", "SAMPLED"}
+    | {"LE", "LT", "GE", "GT", "EQEQ", "NE"}
 )
 
 

@@ -107,13 +107,22 @@ class Obstacle:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Flow:
+    """x' = A x + B u + drift, the input constant within a step: the motion between samples."""
+
+    A: Array
+    B: Array
+    drift: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Dynamics:
     """x(t+1) = A x(t) + B u(t) + drift, discrete time.
 
     A (n, n), B (n, m), drift (n,). `position` (2, n) maps a state to its position [m], or is None
     for an agent that is nowhere. `velocity` are the two state indices of d(position)/dt, if any.
-    `exact_quadratic`: the continuous motion between samples is p + v s + a s^2/2 with the constant
-    input of the step (double integrator), which makes the swept hull exact.
+    Between samples the state follows `flow`, whose zero-order hold A, B and drift are; with none,
+    it moves on a straight line if `straight`, and else nothing is known of it.
     `outputs` name further linear signals: (c (n,), d (m,), constant, unit).
     """
 
@@ -127,7 +136,8 @@ class Dynamics:
     input_units: tuple[str, ...]
     position: Array | None = None
     velocity: tuple[int, int] | None = None
-    exact_quadratic: bool = False
+    flow: Flow | None = None
+    straight: bool = False
     outputs: Mapping[str, tuple[Array, Array, float, str]] = field(default_factory=dict)
     span: Span | None = None
 
@@ -265,7 +275,10 @@ class ObjectiveTerm:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mission:
-    """A mission that has passed every check."""
+    """A mission that has passed every check.
+
+    `workspace_swept`: the workspace holds between samples too, not at the steps alone.
+    """
 
     source: Source
     step: float  # s
@@ -280,6 +293,7 @@ class Mission:
     objective: tuple[ObjectiveTerm, ...]
     signals: tuple[str, ...] = ()  # free signals, for `stlc monitor`
     warnings: tuple[Diagnostic, ...] = ()
+    workspace_swept: bool = False
 
     @classmethod
     def from_text(

@@ -91,7 +91,8 @@ def _show(conflict: Conflict, told: str = "") -> None:
         return show_diagnostics([_diagnostic(conflict, told)])
     known = "" if told and told in conflict.confirmation else f" ({conflict.confirmation})"
     complain(
-        f"no requirement is to blame: starts, dynamics and bounds alone rule out every run{known}"
+        f"no requirement is to blame: starts, dynamics, bounds and workspace alone rule out "
+        f"every run{known}"
     )
 
 

@@ -129,4 +129,5 @@ def _summary(outcome: Outcome) -> str:
     if outcome.confirmation is not None:
         lines.append(f"  second solver: {outcome.confirmation}")
     took = ", ".join(f"{k} {v:.2f} s" for k, v in outcome.seconds.items())
+    lines += [f"  note: {note}" for note in outcome.report.notes]
     return "\n".join([*lines, f"  certified and verified; {took}"])

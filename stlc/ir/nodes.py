@@ -71,6 +71,7 @@ class Motion(Enum):
     OUTSIDE = "outside"  # of an obstacle (inflated) or region
     INSIDE = "inside"  # of a region
     SEPARATION = "separation"  # |dx| >= distances[0] or |dy| >= distances[1]
+    CONDITION = "condition"  # any other condition on states and inputs
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,15 +79,17 @@ class Swept:
     """The meaning behind a node that stands for a `swept` condition at its step t.
 
     The node is a sufficient condition over samples; this says what it is sufficient for, over all
-    times in [t, t + 1]. `place` names an obstacle or region, `other` the second agent or station.
-    The verifier judges it in continuous time without looking at the node.
+    times in [t, t + 1]. `place` names an obstacle or region, `other` the second agent or station;
+    a CONDITION is about no agent alone and is the formula `condition`. The verifier judges it in
+    continuous time without looking at the node.
     """
 
     motion: Motion
-    agent: str
+    agent: str = ""
     place: str | None = None
     other: str | None = None
     distances: tuple[float, float] = (0.0, 0.0)
+    condition: Node | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,4 +1,4 @@
-"""Columns of every trajectory, and rows of the dynamics, norm polygons and workspace."""
+"""Columns of every trajectory, and rows of the dynamics, norm polygons; the workspace."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from stlc.milp.context import Context
 from stlc.milp.model import Origin
 from stlc.milp.polygons import polygon_normals
 from stlc.milp.turnrate import add_turn_rate
+from stlc.milp.workspace import add_workspace
 from stlc.mission import Agent, NormBound, PolygonKind
 
 
@@ -22,7 +23,7 @@ def add_agents(ctx: Context) -> None:
             _add_polygon(ctx, agent, bound, ctx.states[name][1:], ctx.ranges[name].state_upper[1:])
         for bound in agent.input_norms:
             _add_polygon(ctx, agent, bound, ctx.inputs[name], ctx.ranges[name].input_upper)
-        _add_workspace(ctx, agent)
+        add_workspace(ctx, agent)
         add_turn_rate(ctx, agent)
 
 
@@ -73,21 +74,3 @@ def _add_polygon(ctx: Context, agent: Agent, bound: NormBound, block: Ints, uppe
     cols = np.repeat(block[:, [first, second]], bound.sides, axis=0)
     values = np.tile(normals, (len(block), 1))
     ctx.builder.add_dense_rows(f"norm_{agent.name}", cols, values, -np.inf, offset)
-
-
-def _add_workspace(ctx: Context, agent: Agent) -> None:
-    """normals @ position <= offsets at t = 0..T; faces that the ranges imply are left out."""
-    workspace, position = ctx.mission.workspace, agent.dynamics.position
-    if workspace is None or position is None:
-        return
-    ranges, x = ctx.ranges[agent.name], ctx.states[agent.name]
-    for normal, offset in zip(workspace.normals, workspace.offsets, strict=True):
-        low, high = ranges.position_lower, ranges.position_upper
-        most = np.maximum(low * normal, high * normal).sum(axis=1)
-        steps = np.flatnonzero(most > offset + 1e-9)
-        if len(steps):
-            row = normal @ position
-            used = np.flatnonzero(row)
-            ctx.builder.add_dense_rows(
-                f"workspace_{agent.name}", x[np.ix_(steps, used)], row[used], -np.inf, offset
-            )

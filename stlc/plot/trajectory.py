@@ -12,7 +12,7 @@ from stlc.mission import Mission, Obstacle, Polytope
 from stlc.plan import Plan
 from stlc.plot.labels import Labels
 from stlc.plot.style import BODY, BUFFER, REGION, SMALL, Look
-from stlc.verify.continuous import Path, paths
+from stlc.verify.paths import Path, paths
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

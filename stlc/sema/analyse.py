@@ -18,12 +18,12 @@ from stlc.sema.name_errors import NotHere, Redeclared
 from stlc.sema.overrides import overrides
 from stlc.sema.report import Mistake, Report, with_note
 from stlc.sema.scope import Scope
-from stlc.sema.shape_errors import NotConvex
 from stlc.sema.shapes import Shaper
 from stlc.sema.time_errors import BadStep
 from stlc.sema.unit_errors import UnknownUnit
 from stlc.sema.units import SECOND, UnknownUnitName, parse_unit
 from stlc.sema.values import Env
+from stlc.sema.workspace import declare_workspace, holds_between
 from stlc.syntax import ast
 
 SHORTEST_STEP, LONGEST_STEP = 1e-12, 1e9  # s; beyond them its square is lost or overflows
@@ -76,7 +76,8 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
     report, shaper = scope.report, Shaper(scope, files)
     _step(_single(statements, ast.Step, report), scope)
     _each(_of(statements, ast.Param), lambda s: scope.value(s.value), report)
-    _workspace(_single(statements, ast.Workspace, report), file.source.text, shaper)
+    space = _single(statements, ast.Workspace, report)
+    declare_workspace(space, file.source.text, shaper)
     _each(_first(statements, ast.RegionDecl, scope), shaper.region, report)
     _each(_first(statements, ast.ObstacleDecl, scope), shaper.obstacle, report)
     first = _first(statements, ast.DynamicsDecl, scope)
@@ -91,6 +92,7 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
     given = _horizon(_single(statements, ast.Horizon, report), scope)
     moves = None if report.errors else next((a.span for a in scope.agents.values()), None)
     steps = horizon.derive(requirements, given, objective.last_step(terms), moves, report)
+    swept = holds_between(space, requirements, scope)
     mission = Mission(
         source=file.source,
         step=scope.step,
@@ -104,6 +106,7 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
         requirements=tuple(requirements),
         objective=objective.finish(terms, tuple(requirements), steps, report),
         signals=tuple(scope.signals),
+        workspace_swept=swept,
     )
     return checks.checked(mission, scope)
 
@@ -125,7 +128,6 @@ def _declare_names(statements: list[ast.Statement], scope: Scope) -> None:
 _DECLARES = re.compile(
     r"^[ \t]*(?:param|dynamics|agent|station|region|obstacle|(channel)|let|signal)\s+(\w+)", re.M
 )
-_WORKSPACE = re.compile(r"^[ \t]*workspace\b", re.M)
 
 
 def _unread_names(text: str, scope: Scope) -> set[str]:
@@ -201,19 +203,6 @@ def _horizon(statement: ast.Horizon | None, scope: Scope) -> int | None:
             BadStep(span=statement.span, name="horizon", expected=expected, usage="horizon 20")
         )
     return 1
-
-
-def _workspace(statement: ast.Workspace | None, text: str, shaper: Shaper) -> None:
-    scope = shaper.scope
-    if statement is None:
-        scope.unread_workspace = bool(scope.report.errors and _WORKSPACE.search(text))
-        return
-    scope.unread_workspace = True
-    with scope.report.guard():
-        pieces = shaper.pieces(statement.shape)
-        if len(pieces) != 1:
-            raise Mistake(NotConvex(span=statement.shape.span))
-        scope.workspace, scope.unread_workspace = pieces[0], False
 
 
 def _unused_lets(lets: list[ast.Let], scope: Scope) -> None:

@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from stlc.ir.nodes import Role, Signal
-from stlc.mission import Array, Dynamics
+from stlc.mission import Array, Dynamics, Flow
 from stlc.sema import props
 from stlc.sema.compare import unit_name
 from stlc.sema.discretise import discretised
+from stlc.sema.flow import held_flow
 from stlc.sema.members import unit_of
 from stlc.sema.name_errors import Redeclared, UnknownName
 from stlc.sema.report import Mistake, suggested_fix, suggestion
@@ -23,7 +24,7 @@ from stlc.syntax import ast
 
 KINDS = ("double_integrator", "single_integrator")
 STRUCTURE = (
-    "A", "B", "c", "continuous", "states", "inputs", "state_units", "input_units",
+    "A", "B", "c", "continuous", "straight", "states", "inputs", "state_units", "input_units",
     "position", "velocity", "output", "outputs", "dimensions",
 )  # fmt: skip
 AXES = "xyz"
@@ -93,7 +94,9 @@ def double_integrator(count: int, dt: float) -> Dynamics:
         input_units=(str(ACCELERATION),) * count,
         position=np.eye(2, 2 * count) if count >= 2 else None,
         velocity=(count, count + 1) if count >= 2 else None,
-        exact_quadratic=count >= 2,
+        flow=Flow(
+            np.block([[zero, eye], [zero, zero]]), np.vstack([zero, eye]), np.zeros(2 * count)
+        ),
     )
 
 
@@ -110,6 +113,7 @@ def single_integrator(count: int, dt: float) -> Dynamics:
         state_units=(str(METRE),) * count,
         input_units=(str(SPEED),) * count,
         position=np.eye(2, count) if count >= 2 else None,
+        flow=Flow(np.zeros((count, count)), np.eye(count), np.zeros(count)),
     )
 
 
@@ -120,6 +124,7 @@ def from_matrices(statement: ast.DynamicsDecl, block: props.Block, scope: Scope)
     """x(t+1) = A x + B u + c, or x' = A x + B u + c when `continuous`."""
     a, b, drift = _matrices(statement, block, scope)
     n, m = b.shape
+    flow, straight = _between(block, Flow(a, b, drift), scope.step)
     if block.get("continuous") is not None:
         name, span = statement.name.text, block.by_key["A"].span
         a, b, drift = discretised(a, b, drift, scope.step, name, span)
@@ -139,7 +144,8 @@ def from_matrices(statement: ast.DynamicsDecl, block: props.Block, scope: Scope)
         _units(block, "input_units", inputs, None, None),
         rows,
         velocity,
-        _is_double_integrator(a, b, drift, position, velocity, scope.step),
+        flow,
+        straight,
         span=statement.name.span,
     )
 
@@ -175,6 +181,16 @@ def _wrong_shape(
 ) -> MatrixShape:
     texts = [" x ".join(str(k) for k in shape) for shape in (found, expected)]
     return MatrixShape(span=item.span, name=item.key.text, found=texts[0], expected=texts[1])
+
+
+def _between(block: props.Block, given: Flow, dt: float) -> tuple[Flow | None, bool]:
+    """What is known of the motion between samples: its flow, or that it is straight."""
+    item, continuous = block.get("straight"), block.get("continuous") is not None
+    if item is not None and continuous:
+        raise props.bad(item, "contradicts `continuous`, which says how it moves", "continuous")
+    if item is not None:
+        return None, True
+    return (given if continuous else held_flow(given, dt)), False
 
 
 def _names(block: props.Block, key: str, letter: str, count: int) -> tuple[str, ...]:
@@ -232,27 +248,6 @@ def _units(
         return tuple(str(parse_unit(t).unit) for t in texts)
     except UnknownUnitName as error:
         raise props.bad(item, f"has the unknown unit `{error.name}`", f"{key} m m/s") from None
-
-
-def _is_double_integrator(
-    a: Array,
-    b: Array,
-    drift: Array,
-    position: tuple[int, int] | None,
-    velocity: tuple[int, int] | None,
-    dt: float,
-) -> bool:
-    """p(t+1) = p + dt v + dt/2 (v(t+1) - v): then constant acceleration joins the samples."""
-    if position is None or velocity is None:
-        return False
-    eye = np.eye(len(a))
-    p, v = list(position), list(velocity)
-    return (
-        np.allclose(a[p], eye[p] + dt * eye[v])
-        and np.allclose(a[v], eye[v])
-        and np.allclose(b[p], dt / 2.0 * b[v])
-        and np.allclose(drift[p], dt / 2.0 * drift[v])
-    )
 
 
 # --- outputs -------------------------------------------------------------------------------------

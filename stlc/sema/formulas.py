@@ -13,10 +13,12 @@ from stlc.ir.nodes import (
     Eventually,
     Iff,
     Implies,
+    Motion,
     Node,
     Not,
     Or,
     Release,
+    Swept,
     Until,
 )
 from stlc.record import changed
@@ -49,7 +51,7 @@ def formula(expr: ast.Expr, env: Env, scope: Scope) -> Node:
             if not env.positive:
                 raise Mistake(NotNegatable(span=expr.span))
             inner = scope.formula(expr.arg, env)
-            claim = separation_claim(inner, scope)
+            claim = separation_claim(inner, scope) or Swept(Motion.CONDITION, condition=inner)
             return replace(sweep(inner, scope, expr.span), span=expr.span, swept=claim)
         case ast.Not():
             return Not(scope.formula(expr.arg, flipped(env)), span=expr.span)

@@ -16,7 +16,7 @@ from stlc.sema.report import Mistake
 from stlc.sema.scalars import add, scale
 from stlc.sema.scope import Scope, as_scalar
 from stlc.sema.shape_errors import NoSwept
-from stlc.sema.swept import sweep
+from stlc.sema.swept import parts_of, sweep_part
 from stlc.sema.units import METRE
 from stlc.sema.values import Env, Items, Place, Radio, Scalar, Value, describe
 from stlc.source import Span
@@ -56,8 +56,17 @@ def _is_point(items: Items) -> bool:
 
 def _against(subject: Value, place: Place, expr: ast.Membership, scope: Scope) -> Node:
     where = point(subject, expr.subject.span)
-    node = keep(where, _sweeps(place, expr), expr.relation == "in", expr.swept, scope, expr.span)
-    return replace(node, swept=_claim(subject, place, expr)) if expr.swept else node
+    sweeps, inside = _sweeps(place, expr), expr.relation == "in"
+    node = keep(where, sweeps, inside, expr.swept, scope, expr.span)
+    if not expr.swept:
+        return node
+    if isinstance(subject, Radio):
+        motion = Motion.INSIDE if inside else Motion.OUTSIDE
+        return replace(node, swept=Swept(motion, subject.name, place=place.shape.name))
+    if len(sweeps) > 1:
+        return node  # of what moves, claims speak of agents alone
+    still = keep(where, sweeps, inside, False, scope, expr.span)
+    return replace(node, swept=Swept(Motion.CONDITION, condition=still))
 
 
 def _sweeps(place: Place, expr: ast.Membership) -> tuple[Sweep, ...]:
@@ -106,14 +115,6 @@ def keep(
     return cases[0] if len(cases) == 1 else Timed(tuple(cases), span=span)
 
 
-def _claim(subject: Value, place: Place, expr: ast.Membership) -> Swept | None:
-    """What the condition says of an agent's motion, for the verifier; None for other subjects."""
-    if not isinstance(subject, Radio):
-        return None
-    motion = Motion.INSIDE if expr.relation == "in" else Motion.OUTSIDE
-    return Swept(motion, subject.name, place=place.shape.name)
-
-
 @dataclass(frozen=True, slots=True)
 class _Motion:
     """A condition that holds until the next step, while what it speaks of moves [m]."""
@@ -139,12 +140,31 @@ def half_planes(
             span,
         )
         depth = add(depth, Scalar(sign * float(offset), unit=METRE), span)
-        face = at_least_zero(depth, span, positive=True)
-        if motion is not None:
-            change = sign * float(nx * motion.move[0] + ny * motion.move[1])
-            face = sweep(face, motion.scope, span, change)
-        faces.append(face)
-    return And(tuple(faces), span=span) if inside else Or(tuple(faces), span=span)
+        faces.append(at_least_zero(depth, span, positive=True))
+    join = And if inside else Or
+    if motion is None:
+        return join(tuple(faces), span=span)
+    changes = [sign * float(normal @ motion.move) for normal in piece.normals]
+    return _until_next(join, faces, changes, motion.scope, span)
+
+
+def _until_next(
+    join: type[And] | type[Or],
+    faces: Sequence[Node],
+    changes: Sequence[float],
+    scope: Scope,
+    span: Span,
+) -> Node:
+    """Faces that grow by `changes` until the next step, joined anew in each part of it."""
+    count = max(parts_of(face, scope, span) for face in faces)
+    parts = []
+    for k in range(count):
+        swept = (
+            sweep_part(face, (k, count), scope, span, change)
+            for face, change in zip(faces, changes, strict=True)
+        )
+        parts.append(join(tuple(swept), span=span))
+    return parts[0] if count == 1 else And(tuple(parts), span=span)
 
 
 def _in_interval(subject: Scalar, place: Value, expr: ast.Membership) -> Node:

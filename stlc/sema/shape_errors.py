@@ -143,13 +143,19 @@ class BadGeoJson(Diagnostic):
 
 
 class NoSwept(Diagnostic):
-    """`swept` is asked of an agent or a pair whose motion between steps isn't known."""
+    """`swept` is asked of what has no known motion between steps.
+
+    Named integrators and `continuous` matrices say how a state moves within a step. Discrete
+    matrices do so through their logarithm, if they have a real one, or with `straight`. Modes far
+    faster than a step can't be followed. A continuous workspace asks the same of every agent.
+    """
 
     code: ClassVar[str] = "E0412"
     title: ClassVar[str] = "`swept` has no meaning here: {problem}"
     label: ClassVar[str] = "no motion between steps"
-    help: ClassVar[str] = "leave out `swept`, or apply it to `outside`, `in` or `separation(..) >=`"
+    help: ClassVar[str] = "{hint}"
     problem: str
+    hint: str = "leave out `swept`, or apply it to `outside`, `in` or `separation(..) >=`"
 
 
 class FrozenAtStart(Diagnostic):

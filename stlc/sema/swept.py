@@ -1,55 +1,109 @@
 """`swept`: a condition that holds between two steps too.
 
-Between steps t and t + 1 a double integrator's position is a quadratic curve with the Bezier points
-p(t), p(t) + v(t) dt / 2, p(t + 1); every other state is followed along its chord. A linear
-predicate that holds at all Bezier points holds on the curve, which lies in their convex hull.
+Between steps t and t + 1 a state follows its flow, which `stlc/bezier.py` cuts into parts with
+Bezier points that are linear in x(t) and u(t): for a double integrator p(t), p(t) + v(t) dt / 2,
+p(t + 1). A linear predicate that holds at all Bezier points of a part holds on the curve, which
+lies in their convex hull. Each part makes its own choices; a single or double integrator has one.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from stlc.ir.nodes import And, Const, Linear, Motion, Node, Or, Role, Signal, Swept, Timed
-from stlc.mission import Agent, Dynamics
+import numpy as np
+
+from stlc.bezier import Curve, curve
+from stlc.ir.nodes import And, Const, Linear, Motion, Node, Or, Role, Signal, Swept, Timed, walk
+from stlc.mission import Agent
 from stlc.sema.report import Mistake
 from stlc.sema.scope import Scope
 from stlc.sema.shape_errors import NoSwept
 from stlc.source import Span
 
-Terms = tuple[tuple[Signal, float], ...]
+Part = tuple[int, int]
+"""Which part of a step, of how many."""
 
 
-def sweep(node: Node, scope: Scope, span: Span, change: float = 0.0) -> Node:
-    """Every linear leaf replaced by its conjunction over the Bezier points.
+def sweep(node: Node, scope: Scope, span: Span) -> Node:
+    """Every linear leaf replaced by its conjunction over the Bezier points, part by part."""
+    parts = parts_of(node, scope, span)
+    swept = tuple(sweep_part(node, (part, parts), scope, span) for part in range(parts))
+    return swept[0] if parts == 1 else And(swept, span=node.span)
+
+
+def parts_of(node: Node, scope: Scope, span: Span) -> int:
+    """Parts that a step falls into for the agents whose states a condition speaks of."""
+    owners = {
+        signal.owner
+        for leaf in walk(node)
+        if isinstance(leaf, Linear)
+        for signal, _ in leaf.terms
+        if signal.role is Role.STATE
+    }
+    return max((known_curve(scope.agents[o], scope, span).parts for o in owners), default=1)
+
+
+def sweep_part(node: Node, part: Part, scope: Scope, span: Span, change: float = 0.0) -> Node:
+    """Every linear leaf replaced by its conjunction over the Bezier points of one part.
 
     `change` is how much each leaf's constant grows, evenly, from a step to the next.
     """
     match node:
         case Linear():
-            return sweep_linear(node, scope, span, change)
-        case And(args=args):
-            return replace(node, args=tuple(sweep(a, scope, span, change) for a in args))
-        case Or(args=args):
-            return replace(node, args=tuple(sweep(a, scope, span, change) for a in args))
+            return _sweep_linear(node, part, scope, span, change)
+        case And(args=args) | Or(args=args):
+            return replace(node, args=tuple(sweep_part(a, part, scope, span, change) for a in args))
         case Timed(cases=cases):
-            return replace(node, cases=tuple(sweep(c, scope, span, change) for c in cases))
+            swept = tuple(sweep_part(c, part, scope, span, change) for c in cases)
+            return replace(node, cases=swept)
         case Const():
             return node
     raise Mistake(NoSwept(span=span, problem="this is not a condition on positions"))
 
 
-def sweep_linear(node: Linear, scope: Scope, span: Span, change: float = 0.0) -> Node:
-    """The conjunction of a predicate at the Bezier points of the motion to the next step."""
+def _sweep_linear(node: Linear, part: Part, scope: Scope, span: Span, change: float) -> Node:
+    """The conjunction of a predicate at the Bezier points of one part of a step."""
     if any(signal.role is Role.FREE for signal, _ in node.terms):
         raise Mistake(NoSwept(span=span, problem="a recorded signal has no motion"))
-    curved = any(_velocity_of(signal, scope) is not None for signal, _ in node.terms)
-    stages = (0, 1, 2) if curved else (0, 2)
-    points = tuple(
-        replace(point, constant=point.constant + change * stage / 2.0)
-        for stage, point in ((stage, _at(node, stage, scope)) for stage in stages)
-    )
+    moving = [s for s, _ in node.terms if s.role is Role.STATE]
+    degree = max((_degree(s, part, scope, span) for s in moving), default=1)
+    points = []
+    for stage in range(degree + 1):
+        point = _at(node, part, degree, stage, scope, span)
+        share = (part[0] + stage / degree) / part[1]
+        points.append(replace(point, constant=point.constant + change * share))
     unique = tuple(dict.fromkeys(points))
     return unique[0] if len(unique) == 1 else And(unique, span=node.span)
+
+
+def known_curve(agent: Agent, scope: Scope, span: Span, parts: int | None = None) -> Curve:
+    """The motion of an agent between steps. Raises Mistake where it isn't known."""
+    found = curve(agent.dynamics, scope.step, parts)
+    if found is not None:
+        return found
+    name, model = agent.name, agent.dynamics.name
+    problem = f"the discrete matrices of `{name}` don't say how it moves between steps"
+    hint = (
+        f"say `straight` in dynamics `{model}` if it moves straight from sample to sample, "
+        "or give its matrices as `continuous`"
+    )
+    raise Mistake(NoSwept(span=span, problem=problem, hint=hint))
+
+
+def known_degree(found: Curve, agent: Agent, states: list[int], span: Span) -> int:
+    """Degree of the Bezier points of some states. Raises Mistake where they move too fast."""
+    degree = found.degree(states)
+    if degree is not None:
+        return degree
+    problem = f"`{agent.name}` has modes far faster than a step of {found.step:g} s"
+    hint = "shorten `step`, or leave the fastest modes out of its dynamics"
+    raise Mistake(NoSwept(span=span, problem=problem, hint=hint))
+
+
+def _degree(signal: Signal, part: Part, scope: Scope, span: Span) -> int:
+    agent = scope.agents[signal.owner]
+    found = known_curve(agent, scope, span, part[1])
+    return known_degree(found, agent, [signal.index], span)
 
 
 def separation_claim(node: Node, scope: Scope) -> Swept | None:
@@ -100,41 +154,38 @@ def _axis(signal: Signal, scope: Scope) -> int | None:
     return None
 
 
-def _at(node: Linear, stage: int, scope: Scope) -> Linear:
+def _at(node: Linear, part: Part, degree: int, stage: int, scope: Scope, span: Span) -> Linear:
     terms: dict[Signal, float] = {}
+    constant = node.constant
     for signal, coefficient in node.terms:
-        for moved, factor in _bezier(signal, stage, scope):
+        form, offset = _bezier(signal, part, degree, stage, scope, span)
+        constant += coefficient * offset
+        for moved, factor in form:
             terms[moved] = terms.get(moved, 0.0) + coefficient * factor
     kept = [(s, c) for s, c in terms.items() if c != 0.0]
     kept.sort(key=lambda term: term[0].key)
-    return replace(node, terms=tuple(kept))
+    return replace(node, terms=tuple(kept), constant=constant)
 
 
-def _bezier(signal: Signal, stage: int, scope: Scope) -> Terms:
-    """One state's Bezier point 0, 1 or 2; an input is constant over the step."""
-    after = replace(signal, shift=signal.shift + 1)
-    if stage == 0 or signal.role is not Role.STATE:
-        return ((signal, 1.0),)
-    if stage == 2:
-        return ((after, 1.0),)
-    velocity = _velocity_of(signal, scope)
-    if velocity is None:
-        return ((signal, 0.5), (after, 0.5))
-    return ((signal, 1.0), (replace(signal, index=velocity), scope.step / 2.0))
-
-
-def _velocity_of(signal: Signal, scope: Scope) -> int | None:
-    """The state that is the derivative of a position state which moves on a parabola."""
-    agent = scope.agents.get(signal.owner)
-    if agent is None or signal.role is not Role.STATE:
-        return None
-    return _derivatives(agent).get(signal.index)
-
-
-def _derivatives(agent: Agent) -> dict[int, int]:
-    dynamics: Dynamics = agent.dynamics
-    if not dynamics.exact_quadratic or dynamics.position is None or dynamics.velocity is None:
-        return {}
-    rows = dynamics.position
-    states = [int(row.nonzero()[0][0]) for row in rows]
-    return dict(zip(states, dynamics.velocity, strict=True))
+def _bezier(
+    signal: Signal, part: Part, degree: int, stage: int, scope: Scope, span: Span
+) -> tuple[list[tuple[Signal, float]], float]:
+    """A signal's Bezier point as terms and a constant; an input is constant over the step."""
+    index, parts = part
+    if signal.role is not Role.STATE or (index == stage == 0):
+        return [(signal, 1.0)], 0.0
+    if index == parts - 1 and stage == degree:
+        return [(replace(signal, shift=signal.shift + 1), 1.0)], 0.0
+    found = known_curve(scope.agents[signal.owner], scope, span, parts)
+    row = found.points(degree)[index, stage, signal.index]
+    n = len(scope.agents[signal.owner].dynamics.states)
+    terms = [
+        (
+            replace(signal, role=Role.STATE, index=int(k))
+            if k < n
+            else replace(signal, role=Role.INPUT, index=int(k) - n),
+            float(row[k]),
+        )
+        for k in np.flatnonzero(row[:-1])
+    ]
+    return terms, float(row[-1])

@@ -103,6 +103,7 @@ class Outcome:
             "nodes": self.solution.nodes,
             "seconds": self.seconds,
             "verified": self.report.ok,
+            "notes": list(self.report.notes),
             "robustness": {r.name: r.robustness for r in self.plan.requirements},
             "ignored": list(self.solution.ignored),
             "confirmation": self.confirmation,

@@ -171,9 +171,10 @@ class Margin(Statement):
 
 
 class Workspace(Statement):
-    """`workspace box [0, 10] x [0, 10]`."""
+    """`workspace box [0, 10] x [0, 10] swept`; `times` is "swept", "sampled" or left open."""
 
     shape: Shape
+    times: str | None = None
 
 
 class DynamicsDecl(Statement):

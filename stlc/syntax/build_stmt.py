@@ -118,7 +118,7 @@ class StatementBuilder(ExprBuilder):
         return ast.Margin(self.span(start, end), c[0])
 
     def workspace(self, start: int, end: int, c: Children) -> ast.Statement:
-        return ast.Workspace(self.span(start, end), c[0])
+        return ast.Workspace(self.span(start, end), c[0], None if c[1] is None else c[1].text)
 
     def dynamics(self, start: int, end: int, c: Children) -> ast.Statement:
         name, kind = self.ident(c[0]), self.ident(c[1])

@@ -143,7 +143,8 @@ class _Context(Neighbours):
         text, after = token.text, self._peek()
         opener = {"box": "[", "polygon": "(", "moving": "{"}
         due = self._last in ("EQ", "PLUS", "COLON", "ST_WORKSPACE") and (
-            after.text in ("", "+", ";", "}", "inflate") and text not in ("true", "false")
+            after.text in ("", "+", ";", "}", "inflate", "swept", "sampled")
+            and text not in ("true", "false")
         )
         if not self.operand and after.text == opener.get(text):
             self._emit(text.upper(), token, operand=False)
@@ -154,11 +155,17 @@ class _Context(Neighbours):
         elif self.operand and text in ("hole", "feature", "inflate"):
             self._emit(text.upper(), token, operand=False)
             self.shaped = text != "inflate"
+        elif self.operand and text in ("swept", "sampled") and self._of_workspace:
+            self._emit(text.upper(), token, operand=True)
         elif due and "(" not in self.frames:
             self._emit(NAME, token, operand=True)
         else:
             return False
         return True
+
+    @property
+    def _of_workspace(self) -> bool:
+        return not self.frames and self.out[0].kind == "ST_WORKSPACE"
 
     def _property_word(self, token: Token) -> bool:
         """`x` between two sizes; a name with its own `=` starts the next property."""

@@ -147,7 +147,8 @@ def _head(statement: ast.Statement) -> str:
         case ast.Margin():
             return f"margin {show(statement.value)}"
         case ast.Workspace():
-            return f"workspace {show_shape(statement.shape)}"
+            times = f" {statement.times}" if statement.times else ""
+            return f"workspace {show_shape(statement.shape)}{times}"
         case ast.RegionDecl():
             return f"region {statement.name.text} = {show_shape(statement.shape)}"
         case ast.ObstacleDecl():

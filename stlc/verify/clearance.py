@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stlc.mission import Polytope
-from stlc.verify.continuous import Extremum, Path
+from stlc.verify.continuous import Extremum
+from stlc.verify.paths import Path
 from stlc.verify.shapes import TOUCH, Body, beyond, closed_union
 
 Array = NDArray[np.float64]

@@ -1,9 +1,9 @@
-"""Motion between samples, and exact extrema over it.
+"""Extrema of slacks over the motion between samples.
 
-Between two samples a double integrator moves on p + v s + a s^2 / 2 with a constant input; of any
-other dynamics the chord is judged. Slacks of faces along such a motion are quadratic in time, and
-a minimum or maximum of quadratics has its extrema at their ends, vertices and intersections, so
-nothing is sampled here: clearances are exact up to rounding.
+Slacks of faces along a path (`paths.py`) are quadratic in time on each piece, and a minimum or
+maximum of quadratics has its extrema at their ends, vertices and intersections, so nothing is
+sampled here. What a path may be off by is taken off, so a value is never above the true one; the
+paths of integrators are exact.
 """
 
 from __future__ import annotations
@@ -15,38 +15,13 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.mission import Agent, Mission, Polytope
-from stlc.plan import Run
+from stlc.mission import Polytope
+from stlc.verify.paths import Path
 
 Array = NDArray[np.float64]
 Combine = Callable[[Array], Array]
 
 CHUNK = 2_000_000
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Path:
-    """Position c0 + c1 s + c2 s^2, s in [0, 1], from each step to the next; each (T+1, 2) [m].
-
-    The last row stays where the run ends.
-    """
-
-    c0: Array
-    c1: Array
-    c2: Array
-
-    def __len__(self) -> int:
-        return len(self.c0)
-
-    def at(self, steps: Array) -> Array:
-        """Positions (K, 2) at fractional steps (K,) in [0, T]."""
-        row = np.clip(np.floor(steps).astype(np.intp), 0, len(self) - 1)
-        s = (steps - row)[:, None]
-        return np.asarray(self.c0[row] + s * (self.c1[row] + s * self.c2[row]))
-
-    def minus(self, other: Path) -> Path:
-        """The relative motion."""
-        return Path(self.c0 - other.c0, self.c1 - other.c1, self.c2 - other.c2)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,46 +39,20 @@ class Extremum:
         )
 
 
-def path_of(agent: Agent, run: Run, step: float) -> Path:
-    """The motion of an agent that has a position."""
-    model = agent.dynamics
-    assert model.position is not None
-    place = run.states @ model.position.T
-    move = np.vstack([np.diff(place, axis=0), np.zeros((1, 2))])
-    if not model.exact_quadratic or model.velocity is None:
-        return Path(place, move, np.zeros_like(move))
-    drift = run.states[:, list(model.velocity)] * step
-    drift[-1] = 0.0
-    return Path(place, drift, move - drift)
-
-
-def paths(mission: Mission, runs: dict[str, Run]) -> dict[str, Path]:
-    """Motion of every agent that is somewhere, and of the stations, which rest."""
-    found = {
-        name: path_of(agent, runs[name], mission.step)
-        for name, agent in mission.agents.items()
-        if agent.dynamics.position is not None
-    }
-    for name, station in mission.stations.items():
-        place = np.tile(np.asarray(station.position, dtype=np.float64), (mission.horizon + 1, 1))
-        found[name] = Path(place, np.zeros_like(place), np.zeros_like(place))
-    return found
-
-
 def outside(path: Path, frames: Sequence[Sequence[Polytope]]) -> Extremum:
     """min over time and pieces of the greatest face slack; frame t is judged from t to t + 1."""
-    best = _nothing(len(path))
-    for rows, pieces in _frames(len(path), frames):
+    best = _nothing(len(path.c0))
+    for rows, pieces in _frames(path, frames):
         for piece in pieces:
-            found = _extremum(*_slacks(path, rows, piece), lambda q: q.max(axis=-1))
-            best = best.below(_placed(len(path), rows, found))
-    return best
+            found = extremum(*_slacks(path, rows, piece), lambda q: q.max(axis=-1))
+            best = best.below(_placed(len(path.c0), rows, found))
+    return by_step(path, best)
 
 
 def inside(path: Path, frames: Sequence[Sequence[Polytope]]) -> Extremum:
     """min over time of the greatest, over pieces, of the least distance to a face's line."""
-    best = _nothing(len(path))
-    for rows, pieces in _frames(len(path), frames):
+    best = _nothing(len(path.c0))
+    for rows, pieces in _frames(path, frames):
         parts = [_slacks(path, rows, piece) for piece in pieces]
         stacked = [-np.concatenate([p[k] for p in parts], axis=1) for k in range(3)]
         sizes = np.cumsum([len(piece.offsets) for piece in pieces])[:-1]
@@ -112,9 +61,9 @@ def inside(path: Path, frames: Sequence[Sequence[Polytope]]) -> Extremum:
             parts = [part.min(axis=-1) for part in np.split(q, sizes, axis=-1)]
             return np.asarray(np.max(parts, axis=0), dtype=np.float64)
 
-        found = _extremum(stacked[0], stacked[1], stacked[2], best_piece)
-        best = best.below(_placed(len(path), rows, found))
-    return best
+        found = extremum(stacked[0], stacked[1], stacked[2], best_piece)
+        best = best.below(_placed(len(path.c0), rows, found))
+    return by_step(path, best)
 
 
 def separation(relative: Path, distances: tuple[float, float]) -> Extremum:
@@ -122,16 +71,18 @@ def separation(relative: Path, distances: tuple[float, float]) -> Extremum:
     signs = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
     far = np.repeat(np.asarray(distances, dtype=np.float64), 2)
     parts = [c @ signs.T for c in (relative.c0, relative.c1, relative.c2)]
-    return _extremum(parts[0] - far, parts[1], parts[2], lambda q: q.max(axis=-1))
+    found = extremum(parts[0] - far, parts[1], parts[2], lambda q: q.max(axis=-1))
+    return by_step(relative, found)
 
 
 def distance(relative: Path) -> Extremum:
-    """Least Euclidean distance of each step: 33 samples, the best one refined by Newton's method.
+    """Least Euclidean distance of each step: 33 samples of each piece, the best one refined by
+    Newton's method.
 
-    The square is a quartic; the value is that of a true point of the motion, so never too small.
+    The square is a quartic; the value is that of a point of the path, so never too small for it.
     """
     a, b, c = relative.c2, relative.c1, relative.c0
-    samples = np.tile(np.linspace(0.0, 1.0, 33), (len(relative), 1))
+    samples = np.tile(np.linspace(0.0, 1.0, 33), (len(relative.c0), 1))
     s = _least(_length(relative, samples), samples).where
     for _ in range(4):
         p, v = c + s[:, None] * (b + s[:, None] * a), b + 2.0 * s[:, None] * a
@@ -139,11 +90,18 @@ def distance(relative: Path) -> Extremum:
         convex = np.where(bend > 1e-12, bend, np.inf)
         s = np.clip(s - slope / convex, 0.0, 1.0)
     refined = np.column_stack([samples, s])
-    return _least(_length(relative, refined), refined)
+    return by_step(relative, _least(_length(relative, refined), refined))
+
+
+def by_step(path: Path, found: Extremum) -> Extremum:
+    """The least over the pieces of each step, less what the path may be off by."""
+    value = (found.value - path.room).reshape(-1, path.pieces)
+    where = (np.arange(path.pieces) + found.where.reshape(-1, path.pieces)) / path.pieces
+    return _least(value, where)
 
 
 def _length(path: Path, where: Array) -> Array:
-    """Distance from the origin (T+1, K) at `where` (T+1, K)."""
+    """Distance from the origin (rows, K) at `where` (rows, K)."""
     s = where[:, :, None]
     place = path.c0[:, None] + s * (path.c1[:, None] + s * path.c2[:, None])
     return np.asarray(np.linalg.norm(place, axis=2), dtype=np.float64)
@@ -154,12 +112,13 @@ def _nothing(length: int) -> Extremum:
 
 
 def _frames(
-    length: int, frames: Sequence[Sequence[Polytope]]
+    path: Path, frames: Sequence[Sequence[Polytope]]
 ) -> Iterator[tuple[slice, Sequence[Polytope]]]:
-    """Rows of steps and the pieces that are there; the last frame stays for ever."""
+    """Rows of a path and the pieces that are there; the last frame stays for ever."""
+    length, each = len(path), path.pieces
     for index, pieces in enumerate(frames[:length]):
         last = index == min(len(frames), length) - 1
-        yield slice(index, length if last else index + 1), pieces
+        yield slice(index * each, (length if last else index + 1) * each), pieces
 
 
 def _slacks(path: Path, rows: slice, piece: Polytope) -> tuple[Array, Array, Array]:
@@ -174,7 +133,7 @@ def _placed(length: int, rows: slice, found: Extremum) -> Extremum:
     return out
 
 
-def _extremum(q0: Array, q1: Array, q2: Array, combine: Combine) -> Extremum:
+def extremum(q0: Array, q1: Array, q2: Array, combine: Combine) -> Extremum:
     """min over s in [0, 1] of combine(q0 + q1 s + q2 s^2), a lattice polynomial of the faces."""
     count = q0.shape[1]
     size = max(1, CHUNK // max(count * (2 + count + count * (count - 1)), 1))

@@ -9,22 +9,26 @@ from stlc.channels import ChannelTables
 from stlc.mission import Mission
 from stlc.plan import Plan
 from stlc.verify.clearance import Chain, outside
-from stlc.verify.continuous import Extremum, Path, distance, paths, separation
+from stlc.verify.conditions import Motions
+from stlc.verify.continuous import Extremum, distance, separation
 from stlc.verify.links import CellModel, TrueModel, link_series
 from stlc.verify.motion import motion_violations, norm_notes, residual
 from stlc.verify.objective import objective_violations, term_reports, total
+from stlc.verify.paths import Path, is_known, placed, state_paths
 from stlc.verify.report import Clearance, Report
-from stlc.verify.requirements import judge, position_findings, requirement_violations
+from stlc.verify.requirements import SweptOverride, judge, position_findings, requirement_violations
 from stlc.verify.robustness import Trace
 from stlc.verify.shapes import obstacle_body
 from stlc.verify.subject import Subject, make_subject, stale
+from stlc.verify.workspace import workspace_notes, workspace_violations
 
 
 def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) -> Report:
     """Judge a plan against its mission, from the run's numbers alone.
 
     Checked: dynamics, start, bounds, norms (by the Euclidean norm; an `outer` one by its polygon),
-    turning rate (Euclidean), integer inputs, workspace, every requirement (robustness >= margin
+    turning rate (Euclidean), integer inputs, workspace (in continuous time where the mission
+    says or implies so), every requirement (robustness >= margin
     - 1e-6; links on the cell model), `swept` conditions in continuous time, the objective and the
     bound claimed. Links are judged at the true positions too: what fails only there is in
     `approximate`, unless the channel's bound promised to be rigorous. `tables` saves making a
@@ -37,15 +41,18 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
     true = TrueModel(subject, cells)
     length, signals = mission.horizon + 1, subject.signals
     sampled = Trace(length, signals, cells.robustness)
-    motion = paths(mission, dict(plan.runs))
+    states = state_paths(mission, plan.runs)
+    motion = placed(mission, states)
     chains = {name: Chain.of(path) for name, path in motion.items()}
+    override = SweptOverride(mission, motion, chains, Motions(states, plan.runs))
     true_links = Trace(length, signals, true.robustness)
-    requirements = judge(mission, sampled, true_links, motion, chains)
+    requirements = judge(mission, sampled, true_links, override)
     terms = term_reports(subject, cells, sampled)
     objective = total(terms)
     findings = list(position_findings(mission, requirements))
     violations = [
         *motion_violations(subject),
+        *workspace_violations(mission, motion),
         *requirement_violations(mission, requirements),
         *(v for rigorous, v in findings if rigorous),
         *objective_violations(plan.solve, objective, terms),
@@ -54,7 +61,7 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
         mission.source.name,
         tuple(violations),
         tuple(v for rigorous, v in findings if not rigorous),
-        tuple(_notes(subject)),
+        tuple(_notes(subject, motion)),
         requirements,
         objective,
         terms,
@@ -69,17 +76,19 @@ def _residual(mission: Mission, plan: Plan) -> float:
     return max((float(gap.max(initial=0.0)) for gap in each), default=0.0)
 
 
-def _notes(subject: Subject) -> Iterator[str]:
+def _notes(subject: Subject, motion: Mapping[str, Path]) -> Iterator[str]:
     if stale(subject.mission, subject.plan):
         yield "the mission's text has changed since the plan was made"
     yield from norm_notes(subject)
-    inexact = [
-        name
-        for name, agent in subject.mission.agents.items()
-        if agent.dynamics.position is not None and not agent.dynamics.exact_quadratic
-    ]
-    if inexact:
-        yield f"between samples the chord is judged for {', '.join(inexact)}"
+    yield from workspace_notes(subject.mission, motion)
+    models = {name: agent.dynamics for name, agent in subject.mission.agents.items()}
+    for what, names in (
+        ("straight lines, as the mission says", [n for n, m in models.items() if m.straight]),
+        ("straight lines, for want of better", [n for n, m in models.items() if not is_known(m)]),
+    ):
+        moving = [name for name in names if models[name].position is not None]
+        if moving:
+            yield f"between samples {', '.join(moving)} is judged on {what}"
 
 
 def _clearances(

@@ -1,11 +1,10 @@
-"""Each agent alone: dynamics, start, bounds, norms, turning rate, integers, workspace."""
+"""Each agent alone: dynamics, start, bounds, norms, turning rate, integers."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stlc.mission import Agent, NormBound, PolygonKind
 from stlc.plan import Run
@@ -29,7 +28,6 @@ def motion_violations(subject: Subject) -> Iterator[Violation]:
         for bound in agent.input_norms:
             yield from _norm(agent, bound, run.inputs, run.input_names, 0)
         yield from _turn_rate(agent, run)
-        yield from _workspace(subject, agent)
 
 
 def residual(agent: Agent, run: Run) -> Array:
@@ -172,16 +170,3 @@ def _turn_rate(agent: Agent, run: Run) -> Iterator[Violation]:
         )
 
     yield from _worst(excess[:, None], TOLERANCE, "turn rate", agent, describe, 0, rate.span)
-
-
-def _workspace(subject: Subject, agent: Agent) -> Iterator[Violation]:
-    space, position = subject.mission.workspace, subject.positions.get(agent.name)
-    if space is None or position is None:
-        return
-    beyond: NDArray[np.float64] = position @ space.normals.T - space.offsets
-
-    def describe(step: int, column: int) -> str:
-        x, y = position[step]
-        return f"({x:.6g}, {y:.6g}) lies {beyond[step, column]:.3g} m outside the workspace"
-
-    yield from _worst(beyond, TOLERANCE, "workspace", agent, describe)

@@ -52,8 +52,9 @@ class RequirementReport:
 
     @property
     def satisfied(self) -> bool:
-        """Robustness on the samples reaches the margin, less the tolerance of 1e-6."""
-        return self.robustness is not None and self.robustness >= self.margin - 1e-6
+        """Robustness, in continuous time where it is asked, reaches the margin less 1e-6."""
+        value = self.robustness if self.swept is None else self.swept
+        return value is not None and value >= self.margin - 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,9 +120,10 @@ class Report:
         return not self.violations
 
     def annotate(self, plan: Plan, certificate: Mapping[str, Any] | None = None) -> Plan:
-        """The plan with what was found: robustness, link quality, certificate."""
+        """The plan with what was found: robustness, link quality, certificate, notes."""
         values = tuple(RequirementValue(r.name, r.robustness, r.margin) for r in self.requirements)
         info = {**plan.certificate, **(certificate or {}), "verified": self.ok}
+        info["notes"] = list(self.notes)
         return replace(plan, requirements=values, links=self.links, certificate=info)
 
     def text(self) -> str:

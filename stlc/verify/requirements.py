@@ -25,7 +25,9 @@ from stlc.ir.nodes import (
 from stlc.ir.requirement import Requirement
 from stlc.mission import Bound, Mission
 from stlc.verify import clearance
-from stlc.verify.continuous import Path, separation
+from stlc.verify.conditions import Motions
+from stlc.verify.continuous import separation
+from stlc.verify.paths import Path
 from stlc.verify.report import RequirementReport, Violation
 from stlc.verify.robustness import Evaluator, Trace, unit
 from stlc.verify.shapes import Body, obstacle_body, region_body
@@ -36,15 +38,11 @@ TRUE_SLACK = 1e-4
 
 
 def judge(
-    mission: Mission,
-    cells: Trace,
-    true: Trace,
-    motion: Mapping[str, Path],
-    chains: Mapping[str, clearance.Chain],
+    mission: Mission, cells: Trace, true: Trace, swept: SweptOverride
 ) -> tuple[RequirementReport, ...]:
     """Reports on all requirements."""
     sampled, positions = Evaluator(cells), Evaluator(true)
-    dense = Evaluator(cells, SweptOverride(mission, motion, chains))
+    dense = Evaluator(cells, swept)
     return tuple(_report(r, sampled, positions, dense) for r in mission.requirements)
 
 
@@ -80,16 +78,21 @@ class SweptOverride:
         mission: Mission,
         motion: Mapping[str, Path],
         chains: Mapping[str, clearance.Chain],
+        motions: Motions,
     ) -> None:
         self._mission = mission
         self._motion = motion
         self._chains = chains
+        self._motions = motions
 
     def __call__(self, node: Node) -> Array | None:
         swept = node.swept
-        if swept is None or not self._known(swept):
+        if swept is None:
             return None
-        return self._clearance(swept)[:-1]
+        if swept.motion is Motion.CONDITION:
+            assert swept.condition is not None
+            return self._motions.least(swept.condition, self._mission.horizon)
+        return self._clearance(swept)[:-1] if self._known(swept) else None
 
     def _known(self, swept: Swept) -> bool:
         places = self._mission.obstacles.keys() | self._mission.regions.keys()
@@ -108,6 +111,8 @@ class SweptOverride:
                 assert swept.other is not None
                 relative = self._motion[swept.agent].minus(self._motion[swept.other])
                 return separation(relative, swept.distances).value
+            case Motion.CONDITION:
+                raise AssertionError("a condition is about no agent alone")
 
     def _body(self, swept: Swept) -> Body:
         assert swept.place is not None
@@ -125,10 +130,12 @@ def requirement_violations(
         if r.robustness is None:
             text = f"requirement {r.name} can't be judged: it looks past step {mission.horizon}"
             yield Violation("requirement", text, float("inf"), None, None, r.span)
-        elif not r.satisfied:
-            yield _failure(r, r.robustness, "requirement", "")
-        elif r.swept is not None and r.swept < r.margin - TOLERANCE:
+        elif r.satisfied:
+            continue
+        elif r.swept is not None and r.robustness >= r.margin - TOLERANCE:
             yield _failure(r, r.swept, "swept", " between samples")
+        else:
+            yield _failure(r, r.robustness, "requirement", "")
 
 
 def _failure(r: RequirementReport, value: float, kind: str, where: str) -> Violation:

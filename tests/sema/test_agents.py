@@ -28,7 +28,7 @@ def test_a_double_integrator_equals_its_discretised_matrices() -> None:
     ).dynamics
     assert np.allclose(named.A, matrices.A)
     assert np.allclose(named.B, matrices.B)
-    assert matrices.exact_quadratic
+    assert matrices.flow is not None
     assert matrices.state_units == ("m", "m", "m/s", "m/s")
     assert matrices.position is not None
     assert named.position is not None
@@ -53,7 +53,8 @@ def test_velocity_only_inputs_are_not_a_double_integrator() -> None:
         "A = [[1, 0, 1, 0], [0, 1, 0, 1], [0, 0, 1, 0], [0, 0, 0, 1]]\n"
         "B = [[0, 0], [0, 0], [1, 0], [0, 1]] }\nagent a : d { start (1, 2, 0.5, 0) }"
     ).dynamics
-    assert not dynamics.exact_quadratic
+    assert dynamics.flow is not None
+    assert np.allclose(dynamics.flow.B[:2], -0.5 * np.eye(2))
 
 
 def test_bounds() -> None:

@@ -52,7 +52,7 @@ def test_agents(mission: Mission) -> None:
     assert r1.state_norms[0].limit == 2.0
     assert r1.turn_rate is not None
     assert (r1.turn_rate.u_max, r1.turn_rate.v_max) == (1.0, 2.0)
-    assert r1.dynamics.exact_quadratic
+    assert r1.dynamics.flow is not None
 
 
 def test_obstacle_is_inflated_as_a_box(mission: Mission) -> None:

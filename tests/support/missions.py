@@ -10,7 +10,17 @@ import numpy as np
 
 from stlc.ir.nodes import Always, And, Eventually, Linear, Node, Or, Role, Signal
 from stlc.ir.requirement import Requirement
-from stlc.mission import Agent, Channel, Dynamics, Mission, Obstacle, Polytope, Region, Station
+from stlc.mission import (
+    Agent,
+    Channel,
+    Dynamics,
+    Flow,
+    Mission,
+    Obstacle,
+    Polytope,
+    Region,
+    Station,
+)
 from stlc.source import Source
 
 INF = math.inf
@@ -35,7 +45,7 @@ def double_integrator(dt: float = 1.0) -> Dynamics:
         ("m/s^2", "m/s^2"),
         np.eye(2, 4),
         (2, 3),
-        exact_quadratic=True,
+        flow=Flow(np.block([[zero, eye], [zero, zero]]), np.vstack([zero, eye]), np.zeros(4)),
     )
 
 

@@ -16,7 +16,7 @@ from stlc.grammar.pygments_lexer import StlLexer
 FOLDER = Path(grammar.__file__).parent
 SAMPLE = """# a mission
 step 1 s
-workspace box [0, 10] x [0, 10]
+workspace box [0, 10] x [0, 10] sampled
 agent r1 : cart { start (1, 1); control |u| <= 1; turn_rate on; mass 1.5 kg }
 channel radio {
   path_loss L0 = -12.89 dBm, n = 3
@@ -46,6 +46,7 @@ def test_pygments_knows_every_token(text: str) -> None:
         ("require", Keyword.Declaration), ("channel", Keyword.Declaration), ("always", Keyword),
         ("G", Keyword), ("U_", Keyword), ("eventually", Keyword), ("forall", Keyword),
         ("in", Operator.Word), ("outside", Operator.Word), ("swept", Operator.Word),
+        ("sampled", Operator.Word),
         ("box", Keyword.Reserved), ("kg", Keyword.Type), ("dBm", Keyword.Type), ("1.5", Number),
         ('"rssi.csv"', String.Double), ("# a mission", Comment.Single), ("->", Operator),
         ("// measured", Comment.Single), ("home", Name.Function), ("pillar", Name),

@@ -9,7 +9,8 @@ from support.missions import agent, box, roll
 
 from stlc.mission import Dynamics, Polytope
 from stlc.plan import Run
-from stlc.verify.continuous import Path, distance, inside, outside, path_of, separation
+from stlc.verify.continuous import distance, inside, outside, separation
+from stlc.verify.paths import Path, path_of
 
 coarse = st.integers(-12, 12).map(lambda k: k / 4)
 tables = arrays(float, (3, 2), elements=coarse)
@@ -91,7 +92,7 @@ def test_double_integrator_moves_on_parabolas():
     assert path.at(np.array([1.0]))[0].tolist() == [1.0, 0.5]
 
 
-def test_other_dynamics_move_on_chords():
+def test_what_is_not_known_moves_on_chords():
     eye = np.eye(2)
     hover = Dynamics("hover", eye, eye, np.zeros(2), ("x", "y"), ("u", "v"), ("m", "m"),
                      ("m", "m"), eye)  # fmt: skip

@@ -320,4 +320,4 @@ def test_annotate_fills_the_plan():
     full = report.annotate(plan, {"rows": 1e-9})
     assert full.requirements[0].robustness == report.requirements[0].robustness
     assert full.links[0].values["rssi"] == pytest.approx(np.full(T + 1, mean(4)))
-    assert full.certificate == {"rows": 1e-9, "verified": True}
+    assert full.certificate == {"rows": 1e-9, "verified": True, "notes": []}

@@ -1,0 +1,86 @@
+"""Rows of the workspace: at the samples, and at the Bezier points of the motion between them.
+
+    normals @ p(t) <= offsets                         t = 0..T
+    normals @ (C_kj (x(t), u(t), 1)) <= offsets       t = 0..T-1, if the workspace is `swept`
+
+C_kj, the Bezier points of part k of a step (`stlc/bezier.py`), hold the curve in their convex
+hull, so the workspace holds at all times. Rows that the ranges imply are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from stlc.analysis.ranges import Ranges
+from stlc.arrays import Floats
+from stlc.bezier import curve
+from stlc.milp.context import Context
+from stlc.mission import Agent, Polytope
+
+_FINER = 2
+"""Parts that each part is cut into: rows cost little without binaries, and halving the parts of a
+parabola brings its Bezier points four times nearer to it."""
+
+
+def add_workspace(ctx: Context, agent: Agent) -> None:
+    """Keep an agent that is somewhere within the workspace."""
+    workspace, position = ctx.mission.workspace, agent.dynamics.position
+    if workspace is None or position is None:
+        return
+    _at_samples(ctx, agent, workspace, position)
+    if ctx.mission.workspace_swept and len(ctx.inputs[agent.name]):
+        for point in _between(agent, position, ctx.mission.step):
+            _at_point(ctx, agent, workspace, point)
+
+
+def _at_samples(ctx: Context, agent: Agent, workspace: Polytope, position: Floats) -> None:
+    ranges, x = ctx.ranges[agent.name], ctx.states[agent.name]
+    for normal, offset in zip(workspace.normals, workspace.offsets, strict=True):
+        low, high = ranges.position_lower, ranges.position_upper
+        most = np.maximum(low * normal, high * normal).sum(axis=1)
+        steps = np.flatnonzero(most > offset + 1e-9)
+        if len(steps):
+            row = normal @ position
+            used = np.flatnonzero(row)
+            ctx.builder.add_dense_rows(
+                f"workspace_{agent.name}", x[np.ix_(steps, used)], row[used], -np.inf, offset
+            )
+
+
+def _between(agent: Agent, position: Floats, step: float) -> Iterator[Floats]:
+    """Bezier points of the position (2, n + m + 1) within a step, without its ends."""
+    coarse = curve(agent.dynamics, step)
+    assert coarse is not None, "a swept workspace was asked of a motion that isn't known"
+    states = np.flatnonzero(position.any(axis=0)).tolist()
+    if coarse.parts == coarse.degree(states) == 1:
+        return  # straight: the samples say it all
+    fine = curve(agent.dynamics, step, _FINER * coarse.parts)
+    assert fine is not None
+    degree = fine.degree(states)
+    assert degree is not None, "fewer parts were met by some degree"
+    points = position @ fine.points(degree)
+    yield from points[:, 1:].reshape(-1, *points.shape[2:])[:-1]
+
+
+def _at_point(ctx: Context, agent: Agent, workspace: Polytope, point: Floats) -> None:
+    ranges, name = ctx.ranges[agent.name], agent.name
+    columns = np.hstack([ctx.states[name][:-1], ctx.inputs[name]])
+    rows, rest = (workspace.normals @ point)[:, :-1], workspace.normals @ point[:, -1]
+    rows = np.where(np.abs(rows) <= 1e-12, 0.0, rows)
+    for row, limit in zip(rows, workspace.offsets - rest, strict=True):
+        steps = np.flatnonzero(_most(row, ranges) > limit + 1e-9)
+        used = np.flatnonzero(row)
+        if len(steps):
+            block = columns[np.ix_(steps, used)]
+            ctx.builder.add_dense_rows(f"workspace_{name}", block, row[used], -np.inf, limit)
+
+
+def _most(row: Floats, ranges: Ranges) -> Floats:
+    """The greatest value (T,) of a row over the ranges of states and inputs."""
+    lower = np.hstack([ranges.state_lower[:-1], ranges.input_lower])
+    upper = np.hstack([ranges.state_upper[:-1], ranges.input_upper])
+    used = row != 0.0
+    ends = row[used] * lower[:, used], row[used] * upper[:, used]
+    return np.asarray(np.maximum(*ends).sum(axis=1), dtype=np.float64)

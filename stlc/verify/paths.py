@@ -1,0 +1,184 @@
+"""Motion between samples, from the mission's dynamics and the run's numbers alone.
+
+Between two samples a state follows x' = A x + B u + drift with the constant input of the step:
+x(s) = exp(M s) (x, u, 1). A step is cut into equal pieces, and on each the motion is a parabola
+through its ends and its middle. The parabola's error is at most sqrt(3)/216 h^3 max |x'''|, and
+|x'''(s + r)| <= |M^3 z| + |M^3| (exp(|M| h) - 1) |z| on a piece of length h that starts at
+z = (x(s), u, 1). Integrators move on parabolas, so one piece of theirs is exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.mission import Agent, Dynamics, Flow, Mission
+from stlc.plan import Run
+
+Array = NDArray[np.float64]
+
+MOST_PIECES = 4096
+FINE = 2e-7  # m, or the unit of a state: an error that the tolerance of 1e-6 has room for
+_BEND = np.sqrt(3.0) / 216.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Path:
+    """Motion c0 + c1 s + c2 s^2, s in [0, 1], over every piece of every step.
+
+    Each (T+1) * pieces rows of `width` values: positions (2) [m], or all states of an agent. The
+    truth lies within `error` (rows,) of it in the plane, or (rows, n) in each state. The pieces of
+    the last step stay where the run ends.
+    """
+
+    c0: Array
+    c1: Array
+    c2: Array
+    pieces: int = 1
+    error: Array | None = None
+
+    def __len__(self) -> int:
+        return len(self.c0) // self.pieces
+
+    @property
+    def room(self) -> Array:
+        """`error`, or zeros (rows,)."""
+        return np.zeros(len(self.c0)) if self.error is None else self.error
+
+    def at(self, steps: Array) -> Array:
+        """Positions (K, 2) at fractional steps (K,) in [0, T]."""
+        along = steps * self.pieces
+        row = np.clip(np.floor(along).astype(np.intp), 0, len(self.c0) - 1)
+        s = (along - row)[:, None]
+        return np.asarray(self.c0[row] + s * (self.c1[row] + s * self.c2[row]))
+
+    def minus(self, other: Path) -> Path:
+        """The relative motion of two paths in as many pieces."""
+        ends = self.c0 - other.c0, self.c1 - other.c1, self.c2 - other.c2
+        return Path(*ends, self.pieces, self.room + other.room)
+
+    def mapped(self, rows: Array) -> Path:
+        """The motion of rows @ state, for two rows of length at most 1 in the plane."""
+        error = None if self.error is None else np.linalg.norm(self.error @ np.abs(rows.T), axis=1)
+        return Path(self.c0 @ rows.T, self.c1 @ rows.T, self.c2 @ rows.T, self.pieces, error)
+
+
+def is_known(model: Dynamics) -> bool:
+    """Whether the mission says how an agent moves between samples; else the chord is judged."""
+    return model.flow is not None or model.straight
+
+
+def state_paths(mission: Mission, runs: Mapping[str, Run]) -> dict[str, Path]:
+    """Motion of every agent's states, all in as many pieces a step."""
+    agents = mission.agents
+    each = [least_pieces(agents[name], run, mission.step) for name, run in runs.items()]
+    pieces = max(each, default=1)
+    return {name: state_path(agents[name], run, mission.step, pieces) for name, run in runs.items()}
+
+
+def paths(mission: Mission, runs: Mapping[str, Run]) -> dict[str, Path]:
+    """Motion of every agent that is somewhere, and of the stations, which rest."""
+    return placed(mission, state_paths(mission, runs))
+
+
+def placed(mission: Mission, states: Mapping[str, Path]) -> dict[str, Path]:
+    """`paths`, from the motion of all states."""
+    found = {}
+    for name, path in states.items():
+        position = mission.agents[name].dynamics.position
+        if position is not None:
+            found[name] = path.mapped(position)
+    pieces = next((path.pieces for path in states.values()), 1)
+    for name, station in mission.stations.items():
+        rows = (mission.horizon + 1) * pieces
+        place = np.tile(np.asarray(station.position, dtype=np.float64), (rows, 1))
+        found[name] = Path(place, np.zeros_like(place), np.zeros_like(place), pieces)
+    return found
+
+
+def path_of(agent: Agent, run: Run, step: float) -> Path:
+    """The motion of an agent that has a position."""
+    assert agent.dynamics.position is not None
+    pieces = least_pieces(agent, run, step)
+    return state_path(agent, run, step, pieces).mapped(agent.dynamics.position)
+
+
+def least_pieces(agent: Agent, run: Run, step: float) -> int:
+    """The least power of two of pieces at which the error is fine for what positions ask."""
+    flow, pieces = agent.dynamics.flow, 1
+    if flow is None or not len(run.inputs):
+        return 1
+    while pieces < MOST_PIECES and _errors(flow, run, step, pieces).max(initial=0.0) > FINE:
+        pieces *= 2
+    return pieces
+
+
+def state_path(agent: Agent, run: Run, step: float, pieces: int) -> Path:
+    """The motion of all states over (T+1) * pieces rows."""
+    flow = agent.dynamics.flow
+    if flow is None or not len(run.inputs):
+        return _chords(run, pieces)
+    along = _samples(flow, run, step, 2 * pieces)
+    first, middle, last = along[:, :-2:2], along[:, 1::2], along[:, 2::2]
+    c1, c2 = 4.0 * middle - 3.0 * first - last, 2.0 * (first + last) - 4.0 * middle
+    error = _errors(flow, run, step, pieces)
+    rest = np.zeros((pieces, run.states.shape[1]))
+    stay = np.repeat(run.states[-1:], pieces, axis=0)
+    c0, c1, c2, error = (
+        np.concatenate([_rows(a), b])
+        for a, b in ((first, stay), (c1, rest), (c2, rest), (error, rest))
+    )
+    return Path(c0, c1, c2, pieces, error)
+
+
+def _rows(values: Array) -> Array:
+    return values.reshape(-1, values.shape[-1])
+
+
+def _chords(run: Run, pieces: int) -> Path:
+    """Straight lines from sample to sample."""
+    move = np.vstack([np.diff(run.states, axis=0), np.zeros((1, run.states.shape[1]))])
+    share = np.arange(pieces)[:, None] / pieces
+    start = _rows(run.states[:, None] + share * move[:, None])
+    along = np.repeat(move / pieces, pieces, axis=0)
+    return Path(start, along, np.zeros_like(along), pieces)
+
+
+def _augmented(flow: Flow) -> Array:
+    n, m = flow.B.shape
+    matrix = np.zeros((n + m + 1, n + m + 1))
+    matrix[:n] = np.column_stack([flow.A, flow.B, flow.drift])
+    return matrix
+
+
+def _samples(flow: Flow, run: Run, step: float, count: int) -> Array:
+    """States (T, count + 1, n) at equal times of each step, from its start and input alone."""
+    from scipy.linalg import expm
+
+    n = run.states.shape[1]
+    matrix = np.asarray(expm(_augmented(flow) * (step / count)), dtype=np.float64)
+    z = np.column_stack([run.states[:-1], run.inputs, np.ones(len(run.inputs))])
+    out = np.empty((len(z), count + 1, n))
+    for k in range(count + 1):
+        out[:, k] = z[:, :n]
+        z = z @ matrix.T
+    return out
+
+
+def _errors(flow: Flow, run: Run, step: float, pieces: int) -> Array:
+    """Bound (T, pieces, n) on how far each piece's parabola is from the motion."""
+    from scipy.linalg import expm
+
+    n, h = run.states.shape[1], step / pieces
+    matrix = _augmented(flow)
+    third = np.linalg.matrix_power(matrix, 3)[:n]
+    if not third.any():
+        return np.zeros((len(run.inputs), pieces, n))
+    grown = np.abs(third) @ (expm(np.abs(matrix) * h) - np.eye(len(matrix)))
+    starts = _samples(flow, run, step, pieces)[:, :-1]
+    fixed = np.column_stack([run.inputs, np.ones(len(run.inputs))])
+    z = np.concatenate([starts, np.repeat(fixed[:, None], pieces, axis=1)], axis=2)
+    return np.asarray(_BEND * h**3 * (np.abs(z @ third.T) + np.abs(z) @ grown.T))

@@ -1,0 +1,56 @@
+"""The workspace: at the steps, and between them where the mission promises that."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from stlc.mission import Mission, Polytope
+from stlc.verify.continuous import Extremum, inside
+from stlc.verify.paths import Path
+from stlc.verify.report import Violation
+from stlc.verify.subject import TOLERANCE
+
+
+def workspace_violations(mission: Mission, motion: Mapping[str, Path]) -> Iterator[Violation]:
+    """Each agent that leaves the workspace, where it is farthest out."""
+    for name, step, out in _excursions(mission, motion, mission.workspace_swept):
+        x, y = motion[name].at(np.array([step]))[0]
+        when = f"step {step:g}" if step == int(step) else f"{step * mission.step:.4g} s"
+        text = f"{name} at {when}: ({x:.6g}, {y:.6g}) lies {out:.3g} m outside the workspace"
+        yield Violation("workspace", text, out, step, name, mission.agents[name].span)
+
+
+def workspace_notes(mission: Mission, motion: Mapping[str, Path]) -> Iterator[str]:
+    """What the workspace promises, and what happens between samples where it promises nothing."""
+    if mission.workspace is None:
+        return
+    if mission.workspace_swept:
+        yield "the workspace holds between samples too"
+        return
+    yield "the workspace holds at the steps; `workspace .. swept` makes it hold between them"
+    for name, step, out in _excursions(mission, motion, swept=True):
+        time = step * mission.step
+        yield f"between samples {name} leaves the workspace by {out:.4g} m, at {time:.4g} s"
+
+
+def _excursions(
+    mission: Mission, motion: Mapping[str, Path], swept: bool
+) -> Iterator[tuple[str, float, float]]:
+    """(agent, fractional step, metres) where an agent is farthest out of the workspace."""
+    space = mission.workspace
+    if space is None:
+        return
+    for name in mission.agents:
+        if name in motion:
+            found = inside(motion[name], ((space,),)) if swept else _at_steps(motion[name], space)
+            row = int(found.value.argmin())
+            out = -float(found.value[row])
+            if not out <= TOLERANCE:
+                yield name, row + float(found.where[row]), out
+
+
+def _at_steps(path: Path, space: Polytope) -> Extremum:
+    beyond = path.c0[:: path.pieces] @ space.normals.T - space.offsets
+    return Extremum(-beyond.max(axis=1), np.zeros(len(beyond)))
