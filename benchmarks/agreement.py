@@ -20,6 +20,7 @@ from time import process_time
 import numpy as np
 
 from stlc import backends
+from stlc.api import loads
 from stlc.backends.base import Solution, SolveOptions, Status
 from stlc.errors import InfeasibleError, SolverError
 from stlc.milp.compile import Compiled, compile_mission
@@ -141,7 +142,7 @@ def agree(found: dict[str, str | float]) -> bool:
 
 def judge_seed(seed: int, folder: Path, names: list[str]) -> tuple[str, dict[str, str | float]]:
     """'agree', 'infeasible' (both by all backends), 'intervals' (no solver needed) or 'differ'."""
-    mission = Mission.from_text(random_mission(seed, folder), name=f"{seed}.stl", folder=folder)
+    mission = loads(random_mission(seed, folder), name=f"{seed}.stl", folder=folder)
     try:
         compiled = compile_mission(mission)
     except InfeasibleError:

@@ -24,8 +24,8 @@ from truth.judge import judge
 from truth.motion import integrate
 from truth.scene import Scene
 
+from stlc.api import loads, solve
 from stlc.errors import InfeasibleError, MissionError, NoPlanError, StlcError
-from stlc.mission import Mission
 from stlc.solve.driver import SolveSettings
 
 LIMIT = 1.01e-6  # in the unit of each condition: 1e-6, and rounding of our own integration
@@ -55,7 +55,7 @@ def examine(scene: Scene, time_limit: float) -> Finding:
     """Solve a scene and simulate its plan."""
     settings = SolveSettings(time_limit=time_limit, gap=0.05, threads=1, seed=1, grace=2.0)
     try:
-        outcome = Mission.from_text(scene.text(), name=f"{scene.family}.stl").solve(settings)
+        outcome = solve(loads(scene.text(), name=f"{scene.family}.stl"), settings)
     except InfeasibleError:
         return Finding("infeasible")
     except NoPlanError:

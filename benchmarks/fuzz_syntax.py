@@ -5,7 +5,7 @@
 Inputs are byte mutations of a sample mission, texts drawn from the grammar's own spellings,
 cut-off and doubled files, raw bytes, and a few monsters (50,000 parentheses, a line of 10 MB).
 Every third input is a valid mission (of `docs/language.md`) with some tokens changed, which often
-parses: it goes through the whole of `Mission.from_text`, and so does whatever else parses.
+parses: it goes through the whole of `stlc.api.loads`, and so does whatever else parses.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ import sys
 import time
 from pathlib import Path
 
+from stlc.api import loads
 from stlc.diagnostics import Diagnostic, Severity
 from stlc.errors import MissionError
 from stlc.grammar import tables
-from stlc.mission import Mission
 from stlc.render import STYLES, render
 from stlc.syntax.compare import same_syntax
 from stlc.syntax.parse import parse
@@ -167,7 +167,7 @@ def examine(data: bytes) -> tuple[Diagnostic, ...]:
 def meaning(text: str) -> tuple[Diagnostic, ...]:
     """Diagnostics of the whole checker; the guide's folder has none of the files it names."""
     try:
-        return Mission.from_text(text).warnings
+        return loads(text).warnings
     except MissionError as error:
         return error.diagnostics
 

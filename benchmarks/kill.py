@@ -18,8 +18,8 @@ import time
 from pathlib import Path
 
 from stlc import backends
+from stlc.api import load
 from stlc.backends.base import Capability
-from stlc.mission import Mission
 from stlc.plan import read_plan
 from stlc.verify import verify
 
@@ -52,7 +52,7 @@ def trial(folder: Path, backend: str, after: float, *, early: bool) -> tuple[str
     found = read_plan(plan)
     value = found.solve.objective
     kept = value is not None and value <= min(saved) + 1e-9
-    kept = kept and verify(Mission.from_file(mission), found).ok
+    kept = kept and verify(load(mission), found).ok
     return f"{len(saved)} announced, best {min(saved):.4g}, on disk {value:.4g}", kept
 
 

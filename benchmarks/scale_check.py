@@ -12,7 +12,7 @@ import sys
 import time
 from typing import Final
 
-from stlc.mission import Mission
+from stlc.api import loads
 
 HEAD: Final = """step 1 s
 horizon 60
@@ -58,11 +58,11 @@ def mission(count: int) -> str:
 def main(counts: list[int]) -> None:
     """Check one mission of each size and print the times."""
     print("requirements   wall s    cpu s   ms each (cpu)")
-    Mission.from_text(mission(10))
+    loads(mission(10))
     for count in counts:
         text = mission(count)
         wall, cpu = time.perf_counter(), time.process_time()
-        checked = Mission.from_text(text)
+        checked = loads(text)
         wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
         assert len(checked.requirements) == count
         print(f"{count:12} {wall:8.2f} {cpu:8.2f} {1e3 * cpu / count:15.2f}")

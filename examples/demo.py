@@ -16,8 +16,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc import Mission
+from stlc.api import load, solve
 from stlc.milp.writers import write_model
+from stlc.mission import Mission
 from stlc.plot import plot_plan
 from stlc.radio.read import read_samples
 from stlc.radio.report import fit_csv, format_summary, plot_summary
@@ -47,7 +48,7 @@ def paper(out: Path) -> bool:
     print(f"{file.name}: two agents, eight steps, the paper's channel")
     aware = _solve(file, out, "plan", {})
     silent = _solve(file, out, "motion_only", {"alpha": "1"})
-    mission = Mission.from_file(file)
+    mission = load(file)
     with_radio, without = _link_cost(mission, aware), _link_cost(mission, silent)
     print(
         f"  link cost (-RSSI/10 summed over 8 steps): {without:.3f} ignoring communication, "
@@ -64,7 +65,7 @@ def flat(out: Path) -> bool:
     forecast(HERE / "data" / "ble_apartment", out)
     aware = _solve(file, out, "plan", {})
     silent = _solve(file, out, "motion_only", {"floor": "-200 dBm"})
-    judged = verify(Mission.from_file(file), silent.plan)
+    judged = verify(load(file), silent.plan)
     print("  the plan that ignores the radio, judged with it:")
     for violation in judged.violations:
         print(f"    violated: {violation}")
@@ -86,7 +87,7 @@ def near_path(path: FloatArray, data: Path) -> None:
         rows = [r for r in csv.DictReader(stream) if r["anchor"] == "3"]
     spots = np.array([[float(r["robot_x_m"]), float(r["robot_y_m"])] for r in rows])
     values = np.array([float(r["rssi_dbm"]) for r in rows])
-    mission = Mission.from_file(HERE / "ble_apartment.stl")
+    mission = load(HERE / "ble_apartment.stl")
     station, model = mission.stations["a3"], mission.channels["ble"].model
     assert model is not None
     links = np.array([[x, y, 0.0, *station.position, station.height] for x, y in path])
@@ -116,8 +117,8 @@ def near_path(path: FloatArray, data: Path) -> None:
 
 def _solve(file: Path, out: Path, name: str, params: Mapping[str, str]) -> Outcome:
     out.mkdir(parents=True, exist_ok=True)
-    mission = Mission.from_file(file, params=params)
-    outcome = mission.solve(SolveSettings(save_to=out / f"{name}.json"))
+    mission = load(file, params=params)
+    outcome = solve(mission, SolveSettings(save_to=out / f"{name}.json"))
     outcome.plan.write_csv(out / f"{name}.csv")
     plot_plan(mission, outcome.plan, out / f"{name}.png")
     if name == "plan":

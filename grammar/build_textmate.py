@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from stlc.grammar import tables
-from stlc.syntax.units import UNITS
+from stlc.grammar.units import UNITS
 
 FILE = Path(__file__).resolve().parent / "vscode" / "syntaxes" / "stl.tmLanguage.json"
 

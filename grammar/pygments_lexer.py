@@ -8,7 +8,7 @@ from pygments.lexer import RegexLexer, bygroups, words
 from pygments.token import Comment, Keyword, Name, Number, Operator, Punctuation, String, Text
 
 from stlc.grammar import tables
-from stlc.syntax.units import UNITS
+from stlc.grammar.units import UNITS
 
 _PUNCTUATION = frozenset("()[]{},;:.=") | {".."}
 

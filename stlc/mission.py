@@ -1,14 +1,13 @@
-"""The checked mission: what semantic analysis hands to every later stage, and the Python API.
+"""The checked mission: what semantic analysis hands to every later stage. Data only.
 
 All numbers are in SI units, angles in radians, strengths in dBm or dB, times in steps.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,13 +18,9 @@ from stlc.source import Source, Span
 
 if TYPE_CHECKING:
     from stlc.diagnostics import Diagnostic
-    from stlc.milp.compile import Compiled, CompileOptions
-    from stlc.plan import Plan
     from stlc.radio.gp import ChannelModel
     from stlc.radio.links import LinkBudget
     from stlc.radio.partition import Partition
-    from stlc.solve.driver import Outcome, SolveSettings
-    from stlc.verify import Report
 
 Array = NDArray[np.float64]
 
@@ -294,65 +289,6 @@ class Mission:
     signals: tuple[str, ...] = ()  # free signals, for `stlc monitor`
     warnings: tuple[Diagnostic, ...] = ()
     workspace_swept: bool = False
-
-    @classmethod
-    def from_text(
-        cls,
-        text: str,
-        *,
-        name: str = "<text>",
-        params: Mapping[str, str | float] | None = None,
-        folder: Path | None = None,
-        allow_paths: Sequence[Path] = (),
-    ) -> Mission:
-        """Check a mission given as text; files it names are read from under `folder`.
-
-        `params` override `param` statements (numbers, or texts with units such as "3 m/s").
-        Raises MissionError with every mistake found.
-        """
-        from stlc.sema import load_mission
-
-        return load_mission(Source(name, text), params or {}, folder, tuple(allow_paths))
-
-    @classmethod
-    def from_file(
-        cls,
-        path: str | Path,
-        *,
-        params: Mapping[str, str | float] | None = None,
-        allow_paths: Sequence[Path] = (),
-    ) -> Mission:
-        """Check a mission file. UsageError when it isn't there, MissionError when it has mistakes.
-
-        Imports and data are read only from under the file's folder and `allow_paths`.
-        """
-        from stlc.sema import load_mission
-        from stlc.syntax.read import read_source
-
-        folder = Path(path).resolve().parent
-        return load_mission(read_source(Path(path)), params or {}, folder, tuple(allow_paths))
-
-    def check(self) -> tuple[Diagnostic, ...]:
-        """The warnings; a mission with errors never comes to be."""
-        return self.warnings
-
-    def compile(self, options: CompileOptions | None = None) -> Compiled:
-        """The MILP of this mission. InfeasibleError where intervals prove that there is no plan."""
-        from stlc.milp.compile import compile_mission
-
-        return compile_mission(self, options)
-
-    def solve(self, settings: SolveSettings | None = None) -> Outcome:
-        """A certified, verified plan; errors as `stlc.solve.driver.solve_mission`."""
-        from stlc.solve.driver import solve_mission
-
-        return solve_mission(self, settings)
-
-    def verify(self, plan: Plan) -> Report:
-        """Judge a plan independently of every encoder."""
-        from stlc.verify import verify
-
-        return verify(self, plan)
 
     def summary(self) -> str:
         """One line: agents, requirements, horizon."""

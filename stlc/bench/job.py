@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
+
+Tell = Callable[[object], None]
+"""Sends a message to whoever asked for the run."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,10 +13,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from stlc import backends
+from stlc.api import loads
 from stlc.backends.base import Progress, Solution, SolveOptions, Status
-from stlc.bench.job import Job, Point, Update
+from stlc.bench.job import Job, Point, Tell, Update
 from stlc.bench.machine import cpu_seconds
-from stlc.bench.worker import Tell
 from stlc.errors import InfeasibleError, MissionError, SolverError, StlcError
 from stlc.files import scratch_folder
 from stlc.milp.compile import Compiled, compile_mission
@@ -82,7 +82,7 @@ class _Run:
                 folder.joinpath(name).write_bytes(data)
             main = self.job.main
             text = self.job.files[main].decode()
-            mission = Mission.from_text(text, name=main, folder=folder)
+            mission = loads(text, name=main, folder=folder)
         self.send(read_seconds=self.seconds())
         return mission
 

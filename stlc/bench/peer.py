@@ -13,10 +13,9 @@ import numpy as np
 from stlc import backends
 from stlc.backends.base import Progress, Solution, Status
 from stlc.backends.highs_session import new_highs
-from stlc.bench.job import Job, Point, Update
+from stlc.bench.job import Job, Point, Tell, Update
 from stlc.bench.machine import cpu_seconds
 from stlc.bench.mission_run import load_solvers, no_point, relaxation, sizes, solve_options
-from stlc.bench.worker import Tell
 from stlc.errors import SolverError, StlcError, UsageError
 from stlc.files import scratch_folder
 from stlc.milp.model import Block, Model, Origin

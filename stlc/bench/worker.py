@@ -8,14 +8,12 @@ that a run that is killed keeps what it had.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
-from stlc.bench.job import Done, Job, Update
+from stlc.bench.job import Done, Job, Tell, Update
 from stlc.solve.racing.child import end_with_input, limit_memory, private_output
 from stlc.solve.racing.messages import read_message, write_message
-
-Tell = Callable[[object], None]
 
 
 def main() -> None:

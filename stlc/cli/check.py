@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from stlc.api import load
 from stlc.cli.common import Style, mission_options, parse_defines, show_diagnostics
 from stlc.errors import MissionError, UsageError
 
@@ -25,10 +26,9 @@ def check_command(
     if code:
         click.echo(_explanation(str(file)))
         return 0
-    from stlc.mission import Mission
 
     try:
-        mission = Mission.from_file(file, params=parse_defines(define), allow_paths=allow_path)
+        mission = load(file, params=parse_defines(define), allow_paths=allow_path)
     except MissionError as error:
         show_diagnostics(error.diagnostics, style)
         return error.exit_status

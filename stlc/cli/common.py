@@ -104,9 +104,9 @@ def parse_defines(define: tuple[str, ...]) -> dict[str, str]:
 
 def load(file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...]) -> Mission:
     """The checked mission; its warnings go to standard error."""
-    from stlc.mission import Mission
+    from stlc.api import load as load_file
 
-    mission = Mission.from_file(file, params=parse_defines(define), allow_paths=allow_path)
+    mission = load_file(file, params=parse_defines(define), allow_paths=allow_path)
     if mission.warnings:
         show_diagnostics(mission.warnings)
     return mission
@@ -114,9 +114,9 @@ def load(file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...]) -> M
 
 def compiled_model(mission: Mission, options: CompileOptions) -> Compiled:
     """The compiled mission; its warnings go to standard error."""
-    from stlc.milp.compile import compile_mission
+    from stlc.solve.blame import compile_or_blame
 
-    compiled = compile_mission(mission, options)
+    compiled = compile_or_blame(mission, options)
     if compiled.warnings:
         show_diagnostics(compiled.warnings)
     return compiled

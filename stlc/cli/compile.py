@@ -51,7 +51,7 @@ def compile_command(
     `stlc read-solution FILE SOL` turns the solver's answer back into a plan.
     """
     from stlc.milp.encodings import compile_options
-    from stlc.milp.statistics import statistics, statistics_text
+    from stlc.solve.statistics import statistics, statistics_text
 
     mission = load(file, define, allow_path)
     check_outputs(output)

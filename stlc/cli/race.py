@@ -70,8 +70,8 @@ def race_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, ..
 def _enter(mission: Mission, words: dict[str, Any]) -> tuple[dict[str, Compiled], list[Racer]]:
     from stlc import backends
     from stlc.backends.base import SolveOptions
-    from stlc.milp.compile import compile_mission
     from stlc.milp.encodings import compile_options
+    from stlc.solve.blame import compile_or_blame
     from stlc.solve.racing.race import Racer
 
     options = SolveOptions(words["time_limit"], words["gap"], words["threads"])
@@ -82,7 +82,7 @@ def _enter(mission: Mission, words: dict[str, Any]) -> tuple[dict[str, Compiled]
     for name in filter(None, (part.strip() for part in words["entrants"].split(","))):
         backend, _, encoding = name.partition(":")
         backends.get(backend)  # an unknown name is a mistake; a missing solver only loses
-        compiled[name] = compile_mission(mission, compile_options(encoding or "auto"))
+        compiled[name] = compile_or_blame(mission, compile_options(encoding or "auto"))
         racers.append(Racer(name, backend, compiled[name], options, memory))
     return compiled, racers
 

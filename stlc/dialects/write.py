@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
+from stlc.api import loads
 from stlc.diagnostics import Diagnostic
 from stlc.dialects.arithmetic import decimal
 from stlc.dialects.errors import DialectUnsupported, ImportFailure, NoMeaning
@@ -120,11 +121,10 @@ def check_result(written: Written, source: Source, values_known: bool) -> None:
 
     A formula that can't hold is no mistake of the file when a parameter still waits for its value.
     """
-    from stlc.mission import Mission
     from stlc.sema.objective_errors import NeverTrue
 
     try:
-        Mission.from_text(written.text, name=source.name)
+        loads(written.text, name=source.name)
     except MissionError as error:
         found = [d for d in error.diagnostics if values_known or not isinstance(d, NeverTrue)]
         whole = source.span(0, len(source.text.rstrip()))

@@ -125,10 +125,10 @@ class _Tester:
     grace: float | None
 
     def __call__(self, clauses: Sequence[Requirement]) -> Verdict:
-        from stlc.milp.compile import compile_mission
+        from stlc.solve.blame import compile_or_blame
 
         try:
-            compiled = compile_mission(self._with(clauses))
+            compiled = compile_or_blame(self._with(clauses))
         except InfeasibleError:
             return Verdict.INFEASIBLE
         limit = min(self.time_limit, self.end - time.monotonic())
@@ -147,10 +147,10 @@ class _Tester:
 
     def confirm(self, clauses: Sequence[Requirement]) -> str:
         """Who proved it, after a second solver has looked; SolverError when the second differs."""
-        from stlc.milp.compile import compile_mission
+        from stlc.solve.blame import compile_or_blame
 
         try:
-            compiled = compile_mission(self._with(clauses))
+            compiled = compile_or_blame(self._with(clauses))
         except InfeasibleError as error:
             return f"proven by interval analysis: {error}"
         claim = Solution(

@@ -139,6 +139,10 @@ class Const(Node):
         return (self.value,)
 
 
+Terms = tuple[tuple[Signal, float], ...]
+"""Signals with their factors: sum factor * signal."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Linear(Node):
     """`constant + sum(coefficient * signal) >= 0`; terms sorted by signal key, none zero."""

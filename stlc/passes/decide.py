@@ -22,11 +22,11 @@ from dataclasses import replace
 from stlc.analysis.bounds import Interval, static_bounds, unit_of
 from stlc.analysis.goals import Level, level_of
 from stlc.analysis.reach import reach
+from stlc.analysis.unreachable import refuse
 from stlc.ir.nodes import And, Const, Linear, Link, Node, Not, Or
 from stlc.ir.requirement import Requirement
 from stlc.ir.rewrite import postorder, with_children
 from stlc.ir.verify import Stage
-from stlc.milp.unreachable import unreachable
 from stlc.passes.base import Pass, Program
 from stlc.passes.fold import fold
 
@@ -75,7 +75,7 @@ def _decide(program: Program) -> Program:
         level = level_of(requirement, goals)
         formula = _decided(requirement, level, bounds, known)
         if formula == Const(False):
-            raise unreachable(program.mission, requirement.name)
+            refuse(requirement)
         formulas.append(formula)
     return replace(program.with_formulas(formulas), goals=goals)
 

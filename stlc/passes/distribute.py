@@ -20,9 +20,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from stlc.ir.nodes import And, Linear, Node, Or
+from stlc.ir.nodes import And, Linear, Node, Or, Terms
 from stlc.ir.verify import Stage
-from stlc.milp.formulas.choice import Terms
 from stlc.passes.base import Pass, Program
 from stlc.source import Span
 

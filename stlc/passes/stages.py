@@ -22,9 +22,9 @@ from stlc.analysis.goals import Goal
 from stlc.analysis.ranges import Ranges
 from stlc.analysis.reach import position_ranges, tidy
 from stlc.analysis.stages import LevelOf, Stages, find_stages, level_at, single_place
+from stlc.analysis.unreachable import refuse
 from stlc.ir.nodes import And, Const, Node, Or
 from stlc.ir.verify import Stage
-from stlc.milp.unreachable import unreachable
 from stlc.passes.base import Pass, Program
 from stlc.passes.fold import fold
 
@@ -41,7 +41,7 @@ def run(program: Program) -> Program:
     for requirement in program.requirements:
         formula = _replaced(requirement.formula, pruned)
         if formula == Const(False):
-            raise unreachable(program.mission, requirement.name)
+            refuse(requirement)
         formulas.append(formula)
     ranges = dict(program.ranges)
     for name, stages in found.items():

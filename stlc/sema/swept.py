@@ -13,7 +13,19 @@ from dataclasses import replace
 import numpy as np
 
 from stlc.bezier import Curve, curve
-from stlc.ir.nodes import And, Const, Linear, Motion, Node, Or, Role, Signal, Swept, Timed, walk
+from stlc.ir.nodes import (
+    And,
+    Const,
+    Linear,
+    Motion,
+    Node,
+    Or,
+    Role,
+    Signal,
+    Swept,
+    Timed,
+    walk,
+)
 from stlc.mission import Agent
 from stlc.sema.report import Mistake
 from stlc.sema.scope import Scope

@@ -16,7 +16,7 @@ from stlc.backends import get
 from stlc.backends.base import Floats, Solution, SolveOptions, Status, relative_gap
 from stlc.errors import SolverError
 from stlc.milp.model import Model
-from stlc.solve.violations import Violations, exact_objective, violations
+from stlc.milp.violations import Violations, exact_objective, violations
 
 TOLERANCE = 1e-6  # absolute, for rows and bounds: what solvers promise by default
 _FRACTION = 1e-4  # beyond every solver's own integrality tolerance (1e-6 to 1e-5)

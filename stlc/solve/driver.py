@@ -126,15 +126,15 @@ def solve_mission(
     stopped with nothing in hand, SolverError when the solver is missing, fails or its answer is
     refused, and DisagreementError when the verifier refuses what the Model accepts.
     """
-    from stlc.milp.compile import compile_mission
     from stlc.milp.encodings import encoding_label
+    from stlc.solve.blame import compile_or_blame
 
     settings = settings or SolveSettings()
     backend = backends.get(settings.backend)
     require(backend)
     began = time.perf_counter()
     listen(StatusEvent("compile", mission.source.name))
-    compiled = compile_mission(mission, settings.compile)
+    compiled = compile_or_blame(mission, settings.compile)
     tell_warnings(compiled.warnings, listen)
     now = time.perf_counter()
     label = encoding_label(settings.compile)

@@ -13,15 +13,12 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 from stlc.arrays import Floats
 from stlc.backends.base import Backend, Capability, Progress, Solution, SolveOptions, Status
 from stlc.milp.compile import Compiled
+from stlc.solve.alone.run import LoneRun
 from stlc.solve.deadline import Deadline
-
-if TYPE_CHECKING:
-    from stlc.solve.alone.bounds import LoneRun
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,11 +6,11 @@ from difflib import get_close_matches
 from typing import Final
 
 from stlc.diagnostics import Diagnostic, Fix
+from stlc.grammar.units import nearest_unit
 from stlc.source import Source
 from stlc.syntax.errors import BadNumber, SyntaxMistake
 from stlc.syntax.neighbours import BINARY, SHAPED, TEMPORAL, UNARY, word_terminals
 from stlc.syntax.tokens import NAME, Token
-from stlc.syntax.units import nearest_unit
 
 _PAIRS: Final = {"RSQB": ("INDEX", "LSQB", "IVL"), "RPAR": ("CALL", "LPAR")}
 _SHAPES: Final = {"box": "box [x0, x1] x [y0, y1]", "polygon": "polygon (x, y) (x, y) (x, y)"}

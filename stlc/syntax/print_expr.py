@@ -9,10 +9,10 @@ from __future__ import annotations
 import re
 from typing import Final
 
+from stlc.grammar.units import UNITS
 from stlc.syntax import ast
 from stlc.syntax.mixes import unclear
 from stlc.syntax.neighbours import word_terminals
-from stlc.syntax.units import UNITS
 
 _IFF, _IMPLIES, _OR, _AND, _UNTIL, _UNARY, _MEMBER, _COMPARE = range(1, 9)
 _SUM, _PRODUCT, _SIGNED, _POWER, _POSTFIX = range(9, 14)

@@ -8,7 +8,7 @@ from functools import cache
 from typing import Final, NamedTuple
 
 from stlc.grammar import tables
-from stlc.syntax.units import UNITS
+from stlc.grammar.units import UNITS
 
 NEWLINE: Final = "NL"
 COMMENT: Final = "COMMENT"

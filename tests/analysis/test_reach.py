@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from stlc.analysis.reach import reach
+from stlc.api import loads
 from stlc.errors import InfeasibleError, MissionError
 from stlc.milp.compile import compile_mission
 from stlc.mission import Mission
@@ -24,7 +25,7 @@ minimize effort
 def test_what_nothing_bounds_stays_infinite() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        ranges = reach(Mission.from_text(FREE, name="free.stl"))["a"]
+        ranges = reach(loads(FREE, name="free.stl"))["a"]
     assert np.isneginf(ranges.state_lower[2:]).all()
     assert np.isposinf(ranges.state_upper[2:]).all()
     assert np.isneginf(ranges.input_lower).all()
@@ -41,7 +42,7 @@ require a: eventually[0, 50] r.y >= 2 m
 
 def unstable(start: str, bound: str = "") -> Mission:
     text = UNSTABLE.replace("START", start).replace("BOUND", bound)
-    return Mission.from_text(text, name="unstable.stl")
+    return loads(text, name="unstable.stl")
 
 
 @pytest.mark.parametrize("start", ["1", "0"])
@@ -57,7 +58,7 @@ def test_a_state_that_outgrows_doubles_is_a_located_error(start: str) -> None:
 def test_powers_of_a_that_overflow_are_a_located_error() -> None:
     text = UNSTABLE.replace("[[10, 0]", "[[1e300, 0]").replace("START", "0").replace("BOUND", "")
     with pytest.raises(MissionError, match="E0803"):
-        compile_mission(Mission.from_text(text))
+        compile_mission(loads(text))
 
 
 def test_bounds_keep_an_unstable_state_within_doubles() -> None:
@@ -68,7 +69,7 @@ def test_bounds_keep_an_unstable_state_within_doubles() -> None:
 
 def test_unbounded_inputs_leave_an_unstable_state_unbounded() -> None:
     text = UNSTABLE.replace("START", "1").replace("control |u| <= 1; BOUND", "u1 <= 1")
-    ranges = reach(Mission.from_text(text))["r"]
+    ranges = reach(loads(text))["r"]
     assert np.isposinf(ranges.state_upper[50, 0])
 
 
@@ -81,7 +82,7 @@ param o = {offset!r} m
 agent r : double_integrator {{ start (o, o); vx in [-1, 1]; vy in [-1, 1]; control |u| <= 0.1 }}
 require a: always[800, 800] (r.x >= o + 70 m and r.y <= o - 70 m)
 """
-    mission = Mission.from_text(text)
+    mission = loads(text)
     ranges = reach(mission, within=reach(mission))["r"]
     drive = np.concatenate([np.full(100, 0.1), np.zeros(700)])
     x = np.array([offset, offset, 0.0, 0.0])
@@ -99,6 +100,6 @@ dynamics k { A = [[1, 1e-13], [0, 1]]; B = [[0], [1]]; states px py }
 agent r : k { start (100, 0); control |u| <= 1 }
 require a: always[0, 3] r.px >= 99 m
 """
-    ranges = reach(Mission.from_text(text))["r"]
+    ranges = reach(loads(text))["r"]
     assert ranges.state_lower[3, 1] <= -3
     assert ranges.state_upper[3, 1] >= 3

@@ -19,7 +19,7 @@ from fuzz_missions import Examined, _compared
 from truth.draw import draw
 from truth.scene import Obstacle, box
 
-from stlc.mission import Mission
+from stlc.api import loads
 
 SEEDS = corpus()
 PLACE = "error[E0201]: no\n --> m.stl:3:7\n"
@@ -104,7 +104,7 @@ def test_twins_of_texts_say_the_same() -> None:
     rng = random.Random(1)
     for twin in (reordered(rng, text), renamed(rng, text)):
         assert twin != text
-        ours, theirs = Mission.from_text(text), Mission.from_text(twin)
+        ours, theirs = loads(text), loads(twin)
         assert ours.summary() == theirs.summary()
 
 
@@ -113,7 +113,7 @@ def test_twins_of_scenes_are_the_scenes_moved() -> None:
     assert part.text() == "box [-9.0, -5.0] x [2.0, 4.0]"
     scene = draw("union", 1)
     for twin in (Shift(mirror=True).scene(scene), cut_up(scene), rings_turned(scene)):
-        Mission.from_text(twin.text())
+        loads(twin.text())
     halves = cut_up(draw("single", 3)).obstacles[0]
     assert isinstance(halves, Obstacle)
     assert len(halves.frames[0]) == 2

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from stlc.api import loads
 from stlc.bench.registry import default_folder, load_suites, read_files
-from stlc.mission import Mission
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "benchmarks"
@@ -31,7 +31,7 @@ def test_every_mission_passes_its_check(problem: object) -> None:
     files = read_files(FOLDER, problem)  # type: ignore[arg-type]
     name = problem.file  # type: ignore[attr-defined]
     folder = (FOLDER / "missions" / name).parent
-    mission = Mission.from_text(files[Path(name).name].decode(), name=name, folder=folder)
+    mission = loads(files[Path(name).name].decode(), name=name, folder=folder)
     expected = {"W1003", "W1008"}  # regions beyond the workspace, an outer speed polygon
     assert {d.code for d in mission.warnings} <= expected
 

@@ -8,12 +8,13 @@ from pathlib import Path
 
 import pytest
 
+from stlc.api import loads
 from stlc.bench.job import Config, Limits
 from stlc.bench.record import Record
 from stlc.bench.run import run_job
 from stlc.errors import SolverError
+from stlc.milp.compile import compile_mission
 from stlc.milp.writers import write_model
-from stlc.mission import Mission
 
 from .tiny import MISSION, job
 
@@ -50,7 +51,7 @@ def test_every_figure_of_a_solved_run() -> None:
 def test_a_peer_is_solved_beside_ours(tmp_path: Path) -> None:
     ours = job()
     path = tmp_path / "one__copy.mps"
-    write_model(Mission.from_text(MISSION.format(x=1)).compile().model, path)
+    write_model(compile_mission(loads(MISSION.format(x=1))).model, path)
     packed = {"one__copy.mps.xz": lzma.compress(path.read_bytes())}
     peer = replace(ours, main="one__copy.mps.xz", files=packed, config=Config("peer copy"))
     a, b = _run(ours), _run(peer)

@@ -13,9 +13,9 @@ from stlc.backends.conformance import knapsack
 from stlc.errors import SolverError
 from stlc.milp.builder import ModelBuilder
 from stlc.milp.model import Model, Origin
+from stlc.milp.violations import exact_objective, violations
 from stlc.solve.certify import certify
 from stlc.solve.confirm import RefutedError, confirm_infeasible, confirm_optimal, second_opinion
-from stlc.solve.violations import exact_objective, violations
 from stlc.source import Source
 
 INF = float("inf")

@@ -9,9 +9,9 @@ import click
 import pytest
 from click.testing import CliRunner, Result
 
+from stlc.api import loads
 from stlc.cli import cli
 from stlc.cli.check import check_command, fmt_command
-from stlc.mission import Mission
 
 MISSION = """agent r : double_integrator { start (0, 0); control |u| <= 1 }
 require a: always r.x >= 3 dB
@@ -92,8 +92,5 @@ def test_every_command_has_its_own_line_in_the_help_and_every_option_a_text() ->
 
 def test_one_step_is_no_steps() -> None:
     agent = "agent r : double_integrator { start (0, 0); control |u| <= 1 }\n"
-    summaries = [
-        Mission.from_text(f"horizon {n}\n{agent}require a: always r.x <= 9").summary()
-        for n in (1, 2)
-    ]
+    summaries = [loads(f"horizon {n}\n{agent}require a: always r.x <= 9").summary() for n in (1, 2)]
     assert summaries == [f"1 agent, 1 requirement, {n} of 1 s" for n in ("1 step", "2 steps")]

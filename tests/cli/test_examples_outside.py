@@ -24,15 +24,15 @@ from scipy.sparse import csr_matrix
 from support.command import inside as stlc
 from support.outside import Outside, glpk_problem, scip_problem, solvers
 
+from stlc.api import load, loads
 from stlc.backends import get
 from stlc.backends.base import SolveOptions
 from stlc.milp.compile import compile_mission
 from stlc.milp.model import Model
 from stlc.milp.readers import read_solution
+from stlc.milp.violations import violations
 from stlc.milp.writers import safe_names, write_model
-from stlc.mission import Mission
 from stlc.plan import read_plan
-from stlc.solve.violations import violations
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
@@ -84,7 +84,7 @@ def _brought_back(mission: Path, model: Path, solver: Outside, folder: Path) -> 
 @cache
 def _optimum(name: str) -> float:
     """By HiGHS from arrays: no file in between."""
-    model = compile_mission(Mission.from_text(MISSIONS[name](), folder=EXAMPLES)).model
+    model = compile_mission(loads(MISSIONS[name](), folder=EXAMPLES)).model
     value = get("highs").solve(model, SolveOptions(gap=1e-7)).objective
     assert value is not None
     return value
@@ -210,7 +210,7 @@ READERS = {"HiGHS": _highs_reads, "GLPK": _glpk_reads, "SCIP": _scip_reads}
 
 @pytest.fixture(scope="module", params=[FLAT, PAPER], ids=lambda path: path.stem)
 def example(request: pytest.FixtureRequest) -> tuple[Model, Columns, Rows]:
-    model = compile_mission(Mission.from_file(request.param)).model
+    model = compile_mission(load(request.param)).model
     return model, *_ours(model)
 
 

@@ -13,7 +13,7 @@ import pytest
 from support.command import LIMIT, long_mission, start, stlc
 from support.events import wait_for
 
-from stlc.mission import Mission
+from stlc.api import load
 from stlc.plan import read_plan
 from stlc.verify import verify
 
@@ -64,7 +64,7 @@ def test_kill_loses_no_saved_plan(tmp_path: Path) -> None:
         plan = read_plan(tmp_path / "p.json")
         assert plan.solve.objective is not None
         assert plan.solve.objective <= best + 1e-9
-        assert verify(Mission.from_file(tmp_path / "long.stl"), plan).ok
+        assert verify(load(tmp_path / "long.stl"), plan).ok
 
 
 def test_events_follow_their_schema(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from support.command import CONFLICT, LIMIT, MISSION, long_mission, start
 from support.command import inside as stlc
 from support.events import wait_for
 
-from stlc.mission import Mission
+from stlc.api import load
 from stlc.plan import read_plan
 from stlc.verify import verify
 
@@ -23,7 +23,7 @@ LONG = ("--progress", "ndjson", "-o", "p.json", "--json")
 def _verified(folder: Path) -> float:
     """Objective of the plan on disk, which satisfies its mission."""
     plan = read_plan(folder / "p.json")
-    assert verify(Mission.from_file(folder / "long.stl"), plan).ok
+    assert verify(load(folder / "long.stl"), plan).ok
     assert plan.solve.objective is not None
     return plan.solve.objective
 

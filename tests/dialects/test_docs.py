@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stlc.api import loads
 from stlc.dialects import DIALECTS, import_text
-from stlc.mission import Mission
 from stlc.monitor import monitor_formulas
 from stlc.recording import Recording
 from stlc.source import Source
@@ -31,11 +31,11 @@ def test_missions_of_the_page_check() -> None:
     missions = [text for kind, text in BLOCKS if kind == "stl"]
     assert len(missions) == 4
     for text in missions:
-        assert Mission.from_text(text).requirements
+        assert loads(text).requirements
 
 
 def test_monitor_example() -> None:
-    mission = Mission.from_text([text for kind, text in BLOCKS if kind == "stl"][-1])
+    mission = loads([text for kind, text in BLOCKS if kind == "stl"][-1])
     steps = np.arange(12)
     columns = {"speed": 40.0 + 5 * steps, "gear": 2.0 + steps // 4}
     report = monitor_formulas(

@@ -6,8 +6,8 @@ from fractions import Fraction
 
 import pytest
 
+from stlc.api import loads
 from stlc.dialects import import_text
-from stlc.mission import Mission
 from stlc.source import Source
 
 
@@ -15,7 +15,7 @@ def body(text: str, dialect: str, step: str | None = None) -> list[str]:
     """The imported statements without the head, comments and empty lines; they must check."""
     given = None if step is None else Fraction(step)
     whole = import_text(Source("spec.stl", text), dialect, given).text
-    assert Mission.from_text(whole) is not None
+    assert loads(whole) is not None
     lines = [line.split("  #")[0] for line in whole.splitlines()]
     return [line for line in lines if line and not line.startswith("#")]
 

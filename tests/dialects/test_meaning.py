@@ -24,8 +24,8 @@ from support.dialects import (
     write,
 )
 
+from stlc.api import loads
 from stlc.dialects import import_text
-from stlc.mission import Mission
 from stlc.monitor import Monitored, monitor_formulas
 from stlc.recording import Recording
 from stlc.source import Source
@@ -40,7 +40,7 @@ def judge(
     step: Fraction | None = None,
 ) -> list[Monitored]:
     """Import a text and monitor it; FalCAuN's signals are numbered in the order of NAMES."""
-    mission = Mission.from_text(import_text(Source("spec", text), dialect, step).text)
+    mission = loads(import_text(Source("spec", text), dialect, step).text)
     renamed = {f"signal{NAMES.index(k)}": v for k, v in signals.items() if k in NAMES}
     columns = {k: np.asarray(v, float) for k, v in {**signals, **renamed}.items()}
     length = len(next(iter(columns.values())))
@@ -143,7 +143,7 @@ def test_written_formulas_agree_with_rtamt(text: str, whole: bool) -> None:
     draw = random.Random(len(text))
     numbers = [lambda: float(draw.randint(-3, 5)), lambda: draw.uniform(-4, 5)]
     signals = {n: [numbers[not whole]() for _ in range(30)] for n in NAMES}
-    imported = Mission.from_text(import_text(Source("spec", text), "rtamt").text)
+    imported = loads(import_text(Source("spec", text), "rtamt").text)
     used = {n: signals[n] for n in imported.signals}
     (found,) = judge(text, "rtamt", used)
     expected = rtamt_robustness(text, used, imported.step)

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 from support.markdown import Block, blocks, borrowed, preludes
 
+from stlc.api import loads
 from stlc.errors import MissionError
-from stlc.mission import Mission
 
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -52,10 +52,10 @@ def test_missions(document: Path, block: Block, tmp_path: Path) -> None:
     error, warning = block.word_after("error"), block.word_after("warning")
     if error is not None:
         with pytest.raises(MissionError) as caught:
-            Mission.from_text(text, folder=tmp_path)
+            loads(text, folder=tmp_path)
         assert [d.code for d in caught.value.diagnostics] == error.split(",")
         return
-    mission = Mission.from_text(text, folder=tmp_path)
+    mission = loads(text, folder=tmp_path)
     codes = {d.code for d in mission.warnings}
     if name is None:
         assert codes == set(warning.split(",") if warning else ())

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from stlc.api import loads
 from stlc.diagnostics import Diagnostic, catalogue
 from stlc.errors import MissionError
-from stlc.mission import Mission
 from stlc.render import render
 from stlc.source import Source
 from stlc.syntax import errors
@@ -31,7 +31,7 @@ def diagnose(path: Path) -> tuple[Diagnostic, ...]:
         result = parse(source)
         if not result.ok or path.name[1:3] == "01":
             return result.diagnostics
-        return Mission.from_text(source.text, name=path.name, folder=FOLDER).check()
+        return loads(source.text, name=path.name, folder=FOLDER).warnings
     except MissionError as error:
         return error.diagnostics
 

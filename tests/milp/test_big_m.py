@@ -9,6 +9,7 @@ import pytest
 from support.command import inside as stlc
 from support.outside import solvers
 
+from stlc.api import loads
 from stlc.errors import MissionError
 from stlc.milp.big_m import leaky_big_ms
 from stlc.milp.builder import ModelBuilder
@@ -27,7 +28,7 @@ minimize effort
 
 
 def _mission(size: float, margin: str = "") -> Mission:
-    return Mission.from_text(MISSION.format(size=size, margin=margin), name="wide.stl")
+    return loads(MISSION.format(size=size, margin=margin), name="wide.stl")
 
 
 ERROR = """error[E0802]: `a.px` in requirement `visit` can differ by 2e+06

@@ -16,8 +16,8 @@ from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.milp.formulas import selectors
 from stlc.milp.formulas.auto import choose
 from stlc.milp.model import Model
-from stlc.milp.statistics import lp_bound
 from stlc.mission import Mission, ObjectiveTerm, TermKind
+from stlc.solve.statistics import lp_bound
 from tests.milp.worlds import agent, mission
 
 EFFORT = (ObjectiveTerm(TermKind.EFFORT, 1.0),)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from support.command import inside as stlc
 
+from stlc.api import loads
 from stlc.errors import MissionError
 from stlc.milp.compile import compile_mission
-from stlc.mission import Mission
 
 SIGNAL = """step 1 s
 signal demand
@@ -27,7 +27,7 @@ require shift: always (gear >= 2 implies eventually[0, 0] speed >= 1 m/s)
 @pytest.mark.parametrize(("text", "names"), [(SIGNAL, ["demand"]), (RECORDED, ["speed", "gear"])])
 def test_recorded_signals_are_no_unknowns(text: str, names: list[str]) -> None:
     with pytest.raises(MissionError) as caught:
-        compile_mission(Mission.from_text(text))
+        compile_mission(loads(text))
     assert [(d.code, d.name) for d in caught.value.diagnostics] == [("E0804", n) for n in names]
     assert all(d.span is not None for d in caught.value.diagnostics)
 
@@ -52,7 +52,7 @@ def test_numbers_that_no_solver_takes(agent: str, rest: str, line: int) -> None:
     text = f"dynamics k {{ {agent}; B = [[1]]; states px }}\n"
     text += f"agent r : k {{ start 0; px in [-1, 1]; u0 in [-1, 1] }}\n{rest}\n"
     with pytest.raises(MissionError) as caught:
-        compile_mission(Mission.from_text(text))
+        compile_mission(loads(text))
     (found,) = caught.value.diagnostics
     assert found.code == "E0805"
     assert found.span is not None

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from stlc.api import loads
 from stlc.errors import MissionError
-from stlc.mission import Agent, Mission, PolygonKind
+from stlc.mission import Agent, PolygonKind
 
 
 def agent(text: str, name: str = "a") -> Agent:
-    return Mission.from_text(f"horizon 3\n{text}\nrequire: always {name}.u[0] <= 99\n").agents[name]
+    return loads(f"horizon 3\n{text}\nrequire: always {name}.u[0] <= 99\n").agents[name]
 
 
 def codes(text: str) -> list[str]:
@@ -119,7 +120,7 @@ def test_turn_rate() -> None:
 
 
 def test_families_use_their_number() -> None:
-    mission = Mission.from_text(
+    mission = loads(
         "horizon 2\nagent uav[2..4] : double_integrator { start (2 * i, i) }\n"
         "require: always forall a in uav: a.x >= uav[2].x\n"
     )
@@ -156,13 +157,13 @@ def test_mistakes(text: str, code: str) -> None:
 @pytest.mark.parametrize("step", ["0 s", "-1 s", "1e300 s", "1e-300 s"])
 def test_steps_that_no_dynamics_can_have(step: str) -> None:
     with pytest.raises(MissionError, match="step"):
-        Mission.from_text(f"step {step}\nagent a : double_integrator {{ start (0, 0) }}\n")
+        loads(f"step {step}\nagent a : double_integrator {{ start (0, 0) }}\n")
 
 
 def test_agents_with_mistakes_are_no_empty_list() -> None:
     text = "agent a : kart { start (1, 1) }\nrequire: forall r in agents: eventually[0, 3] r.x >= 2"
     with pytest.raises(MissionError) as caught:
-        Mission.from_text(text)
+        loads(text)
     assert [d.code for d in caught.value.diagnostics] == ["E0201"]
 
 
@@ -172,4 +173,4 @@ def test_a_speed_needs_a_velocity() -> None:
         "agent a : d { start (0, 0); speed <= 2 }\nrequire: eventually[0, 3] a.x0 >= 1"
     )
     with pytest.raises(MissionError, match="needs dynamics that name their velocity"):
-        Mission.from_text(text)
+        loads(text)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from stlc.api import loads, solve
 from stlc.errors import MissionError
 from stlc.ir.nodes import Linear
-from stlc.mission import Mission
 from stlc.monitor import monitor_formulas
 from stlc.recording import Recording
 
@@ -16,7 +16,7 @@ HEAD = "step 0.5 s\nsignal x\nsignal y\nparam d = 1 s\n"
 
 def values(formula: str) -> list[float]:
     """Robustness over x = 0, 1, 4, 9, .. and y = 0, -1, -2, .."""
-    mission = Mission.from_text(f"{HEAD}require: {formula}\n")
+    mission = loads(f"{HEAD}require: {formula}\n")
     steps = np.arange(8.0)
     recording = Recording("trace", 0.5 * steps, {"x": steps**2, "y": -steps})
     (found,) = monitor_formulas(mission.requirements, recording, mission).formulas
@@ -36,14 +36,14 @@ def test_folds_are_shifted() -> None:
 
 
 def test_equal_signals_cancel() -> None:
-    mission = Mission.from_text(f"{HEAD}require: ahead(x, 2) - ahead(x, 1 s) + y >= 0\n")
+    mission = loads(f"{HEAD}require: ahead(x, 2) - ahead(x, 1 s) + y >= 0\n")
     formula = mission.requirements[0].formula
     assert isinstance(formula, Linear)
     assert [s.owner for s, _ in formula.terms] == ["y"]
 
 
 def test_a_let_takes_the_time() -> None:
-    mission = Mission.from_text(f"{HEAD}let rise(k) = ahead(x, k) - x\nrequire: rise(d) >= 1\n")
+    mission = loads(f"{HEAD}let rise(k) = ahead(x, k) - x\nrequire: rise(d) >= 1\n")
     assert mission.horizon == 2
 
 
@@ -59,19 +59,19 @@ def test_a_let_takes_the_time() -> None:
 )
 def test_mistakes(call: str, code: str) -> None:
     with pytest.raises(MissionError) as caught:
-        Mission.from_text(f"{HEAD}require: {call} >= y\n")
+        loads(f"{HEAD}require: {call} >= y\n")
     assert [d.code for d in caught.value.diagnostics] == [code]
 
 
 def test_agents_move_as_asked() -> None:
-    mission = Mission.from_text(
+    mission = loads(
         "step 1 s\nworkspace box [0, 10] x [0, 10]\n"
         "agent r1 : single_integrator { start (1, 1); control |u| <= 2 }\n"
         "require slow: always[0, 3] abs(ahead(r1.x, 2 s) - r1.x) <= 1\n"
         "require go: eventually[0, 6] r1.x >= 3\nminimize effort\n"
     )
     assert mission.horizon == 6
-    outcome = mission.solve()
+    outcome = solve(mission)
     x = outcome.plan.runs["r1"].states[:, 0]
     assert np.abs(x[2:6] - x[:4]).max() <= 1 + 1e-6
     assert x.max() >= 3 - 1e-6

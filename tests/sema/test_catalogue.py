@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from stlc.api import loads
 from stlc.diagnostics import Diagnostic, catalogue
 from stlc.errors import MissionError
-from stlc.mission import Mission
 from stlc.sema import load_all_diagnostics
 
 GOLDEN = Path(__file__).parents[1] / "golden"
@@ -40,7 +40,7 @@ require: always[0, 3] (r1 in gaol and rssi(r1, r1) >= 3 dBm)
 require: always[0, 3] r1 in far
 """
     with pytest.raises(MissionError) as caught:
-        Mission.from_text(text)
+        loads(text)
     codes = [d.code for d in caught.value.diagnostics]
     assert codes == ["E0207", "E0402", "E0201", "E0606"]
 
@@ -53,7 +53,7 @@ require: always[0, 3] r1 in goal
 require: always[0, 3] r1.q >= 1
 """
     with pytest.raises(MissionError) as caught:
-        Mission.from_text(text)
+        loads(text)
     codes = [d.code for d in caught.value.diagnostics]
     assert codes[0].startswith("E01")
     assert codes[1:] == ["E0206"]

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stlc.api import loads
 from stlc.errors import MissionError
 from stlc.ir.nodes import Always, Link, Node, Not, Or, Quantity, Relation
 from stlc.mission import Bound, Channel, Mission
@@ -32,7 +33,7 @@ SAMPLES = "tx_x,tx_y,rx_x,rx_y,rssi_dbm\n" + "".join(
 
 def mission(channel: str, rest: str = "", folder: Path | None = None) -> Mission:
     text = f"{HEAD}{channel}\n}}\nrequire: always separation(a, b) >= 0.1 m\n{rest}\n"
-    return Mission.from_text(text, folder=folder)
+    return loads(text, folder=folder)
 
 
 def radio(channel: str, folder: Path | None = None) -> Channel:
@@ -188,7 +189,7 @@ def test_mistakes(channel: str, rest: str, code: str) -> None:
 
 def titles(text: str) -> list[str]:
     with pytest.raises(MissionError) as caught:
-        Mission.from_text(text)
+        loads(text)
     return [d.title_text for d in caught.value.diagnostics]
 
 

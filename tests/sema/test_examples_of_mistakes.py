@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from stlc.api import loads
 from stlc.cli.check import check_command
 from stlc.diagnostic_examples import EXAMPLES
 from stlc.diagnostics import catalogue
 from stlc.errors import MissionError
-from stlc.mission import Mission
 from stlc.sema import load_all_diagnostics
 
 DECLARED = """step 1 s
@@ -53,7 +53,7 @@ def codes(example: str, context: str, folder: Path) -> set[str]:
     lines = [line for line in context.splitlines() if line.split()[0] not in own]
     try:
         text = "\n".join([*lines, example]) + "\n"
-        return {d.code for d in Mission.from_text(text, folder=folder).check()}
+        return {d.code for d in loads(text, folder=folder).warnings}
     except MissionError as error:
         return {d.code for d in error.diagnostics}
 

@@ -10,7 +10,8 @@ import shapely
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from stlc.mission import Mission, Polytope
+from stlc.api import loads
+from stlc.mission import Polytope
 from stlc.sema.decompose import PolygonError, decompose
 from stlc.sema.geometry import (
     Point,
@@ -127,7 +128,7 @@ def test_relations_of_boxes() -> None:
 
 
 def test_moving_obstacles_keep_their_last_shape() -> None:
-    mission = Mission.from_text(
+    mission = loads(
         """
 horizon 6
 agent a : double_integrator { start (9, 9) }

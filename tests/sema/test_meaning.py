@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from stlc.api import loads
 from stlc.ir.nodes import And, Const, Iff, Implies, Linear, Node, Not, Or, Role, Signal
-from stlc.mission import Mission
 
 HEAD = """
 horizon 3
@@ -26,7 +26,7 @@ states = st.lists(coordinate, min_size=16, max_size=16)
 
 
 def formula(text: str) -> Node:
-    return Mission.from_text(HEAD + text + "\n").requirements[0].formula
+    return loads(HEAD + text + "\n").requirements[0].formula
 
 
 def run(values: list[float]) -> Values:

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from stlc.api import loads
 from stlc.mission import Mission, Requirement
 from stlc.passes import PIPELINE
 from stlc.passes.base import Program
@@ -69,7 +70,7 @@ formulas = st.recursive(atoms, _joined, max_leaves=4)
 
 def parsed(text: str) -> Mission:
     """The mission of one formula; at a margin of -inf nothing is ever refused."""
-    return Mission.from_text(f"{HEAD}require r: {text} or true\n")
+    return loads(f"{HEAD}require r: {text} or true\n")
 
 
 def formula_of(text: str):
@@ -114,7 +115,7 @@ def test_passes_that_keep_robustness_keep_that_of_numbers(case):
 )
 def test_examples(text, expected):
     head = HEAD + "region square = box [0, 4] x [0, 4]\n"
-    mission = Mission.from_text(f"{head}require r: ({text}) or true\n")
+    mission = loads(f"{head}require r: ({text}) or true\n")
     assert robustness(mission.requirements[0].formula.args[0], TRACE)[0] == expected
 
 

@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stlc.api import load, loads
 from stlc.errors import MissionError
 from stlc.ir.nodes import Always, Eventually, Or
-from stlc.mission import Mission, ObjectiveTerm, PolygonKind, TermKind
+from stlc.mission import ObjectiveTerm, PolygonKind, TermKind
 
 HEAD = """
 workspace box [0, 10] x [0, 10]
@@ -25,7 +26,7 @@ require near: always[0, 5] separation(a, b) <= 9 m
 
 
 def terms(objective: str) -> tuple[ObjectiveTerm, ...]:
-    return Mission.from_text(HEAD + objective + "\n").objective
+    return loads(HEAD + objective + "\n").objective
 
 
 def test_weights() -> None:
@@ -92,12 +93,12 @@ def test_horizons_come_from_the_formula(formula: str, horizon: int) -> None:
         "agent a : double_integrator { start (0, 0) }\n"
         f"agent b : double_integrator {{ start (0, 0) }}\nrequire: {formula}\n"
     )
-    assert Mission.from_text(text).horizon == horizon
+    assert loads(text).horizon == horizon
 
 
 def test_the_paper_setting_with_every_number_fixed() -> None:
     path = Path(__file__).parents[2] / "benchmarks" / "missions" / "two_agents_t8.stl"
-    mission = Mission.from_file(path)
+    mission = load(path)
     agent = mission.agents["a1"]
     assert mission.horizon == 8
     assert np.array_equal(agent.dynamics.B, [[0.5, 0], [0, 0.5], [1, 0], [0, 1]])
@@ -118,7 +119,7 @@ def test_the_paper_setting_with_every_number_fixed() -> None:
 
 
 def test_obstacles_may_reach_beyond_the_bounds_in_silence() -> None:
-    mission = Mission.from_text(
+    mission = loads(
         """
 horizon 20
 dynamics car {

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from stlc.api import load, loads
 from stlc.errors import MissionError
 from stlc.ir.nodes import Always, Linear, Node
 from stlc.mission import Mission
@@ -24,18 +25,18 @@ def threshold(mission: Mission) -> float:
 
 def codes(text: str, **params: str | float) -> list[str]:
     with pytest.raises(MissionError) as caught:
-        Mission.from_text(text, params=params)
+        loads(text, params=params)
     return [d.code for d in caught.value.diagnostics]
 
 
 def test_parameters_may_use_one_another_in_any_order() -> None:
     text = "signal s [m]\nparam w = 2 * v + 1\nparam v = 2 m\nrequire: always[0, 3] s >= w\n"
-    assert threshold(Mission.from_text(text)) == 5.0
+    assert threshold(loads(text)) == 5.0
 
 
 @pytest.mark.parametrize(("value", "expected"), [(3, 7), ("3", 7), ("300 cm", 7), ("1e-3 km", 3)])
 def test_overrides(value: str | float, expected: float) -> None:
-    mission = Mission.from_text(BASE + "require: always[0, 3] s >= w\n", params={"v": value})
+    mission = loads(BASE + "require: always[0, 3] s >= w\n", params={"v": value})
     assert threshold(mission) == pytest.approx(expected)
 
 
@@ -59,7 +60,7 @@ def test_lets_are_hygienic() -> None:
     text = BASE + (
         "let above(x) = s >= x\nlet inner(s) = above(3 m)\nrequire: always[0, 3] inner(7)\n"
     )
-    assert threshold(Mission.from_text(text)) == 3.0
+    assert threshold(loads(text)) == 3.0
 
 
 def test_imports_are_read_once_and_only_from_the_folder(tmp_path: Path) -> None:
@@ -68,15 +69,15 @@ def test_imports_are_read_once_and_only_from_the_folder(tmp_path: Path) -> None:
     (tmp_path / "lib" / "two.stl").write_text("signal s [m]\n")
     main = tmp_path / "main.stl"
     main.write_text('import "lib/one.stl"\nimport "lib/two.stl"\nrequire: always[0, 3] low(4 m)\n')
-    assert threshold(Mission.from_file(main)) == 4.0
+    assert threshold(load(main)) == 4.0
     inner = tmp_path / "inner"
     inner.mkdir()
     outside = inner / "outside.stl"
     outside.write_text('import "../lib/one.stl"\nrequire: always[0, 3] low(4 m)\n')
     with pytest.raises(MissionError) as caught:
-        Mission.from_file(outside)
+        load(outside)
     assert [d.code for d in caught.value.diagnostics] == ["E0215", "E0201"]
-    assert threshold(Mission.from_file(outside, allow_paths=[tmp_path])) == 4.0
+    assert threshold(load(outside, allow_paths=[tmp_path])) == 4.0
 
 
 def test_a_link_does_not_lead_out_of_the_folder(tmp_path: Path) -> None:
@@ -88,7 +89,7 @@ def test_a_link_does_not_lead_out_of_the_folder(tmp_path: Path) -> None:
     main = folder / "main.stl"
     main.write_text('import "way.stl"\nsignal q\nrequire: always[0, 3] q >= 1\n')
     with pytest.raises(MissionError) as caught:
-        Mission.from_file(main)
+        load(main)
     assert [d.code for d in caught.value.diagnostics] == ["E0215"]
 
 
@@ -97,7 +98,7 @@ def test_mistakes_in_a_library_are_shown_there(tmp_path: Path) -> None:
     main = tmp_path / "main.stl"
     main.write_text('import "lib.stl"\nrequire: always[0, 3] low(4)\n')
     with pytest.raises(MissionError) as caught:
-        Mission.from_file(main)
+        load(main)
     (found,) = caught.value.diagnostics
     assert found.span is not None
     assert found.span.source.name == "lib.stl"

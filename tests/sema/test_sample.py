@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from stlc.api import loads
 from stlc.ir.nodes import Always, And, Eventually, Link, Quantity, Relation
 from stlc.mission import Mission, TermKind
 
@@ -37,7 +38,7 @@ minimize 0.1 * effort + 0.9 * link_cost(radio)
 
 @pytest.fixture(scope="module")
 def mission() -> Mission:
-    return Mission.from_text(SAMPLE)
+    return loads(SAMPLE)
 
 
 def test_horizon_comes_from_the_intervals(mission: Mission) -> None:

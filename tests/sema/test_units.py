@@ -6,11 +6,11 @@ import math
 
 import pytest
 
+from stlc.api import loads
 from stlc.errors import MissionError
-from stlc.mission import Mission
+from stlc.grammar.units import UNITS
 from stlc.sema import units
 from stlc.sema.units import Unit, UnknownUnitName, parse_unit
-from stlc.syntax.units import UNITS
 
 
 @pytest.mark.parametrize(
@@ -65,7 +65,7 @@ def verdict(comparison: str) -> str:
         f"signal n\nrequire: always[0, 3] {comparison}\n"
     )
     try:
-        Mission.from_text(text)
+        loads(text)
     except MissionError as error:
         return error.diagnostics[0].code
     return "ok"

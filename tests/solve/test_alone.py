@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
-from stlc import Mission, backends
+from stlc import backends
+from stlc.api import loads
 from stlc.backends.base import SolveOptions, Status
 from stlc.ir.nodes import Link, walk
-from stlc.milp.compile import Compiled
+from stlc.milp.compile import Compiled, compile_mission
+from stlc.mission import Mission
 from stlc.solve import strategies as strategy
 from stlc.solve.alone.bounds import bounded, least, lone_runs
 from stlc.solve.alone.project import project
@@ -64,7 +66,7 @@ def mission(seed: int, agents: int = 2) -> Mission:
         text += f"require clear{k}: always r{k} outside pillar\n"
     for k in rng.choice(len(COUPLINGS), 2, replace=False):
         text += COUPLINGS[k] + "\n"
-    return Mission.from_text(text + OBJECTIVES[int(rng.integers(len(OBJECTIVES)))] + "\n")
+    return loads(text + OBJECTIVES[int(rng.integers(len(OBJECTIVES)))] + "\n")
 
 
 def plain(compiled: Compiled) -> tuple[Status, float | None]:
@@ -78,7 +80,7 @@ def test_the_strategy_has_the_optimum_of_the_plain_model(
 ) -> None:
     monkeypatch.setattr(strategy, "_SMALL", 0)  # or they would be solved at once
     task = mission(seed, agents=2 + seed % 2)
-    compiled = task.compile()
+    compiled = compile_mission(task)
     status, optimum = plain(compiled)
     found = run_strategy("auto", compiled, HIGHS, EXACT)
     assert found.status is status
@@ -91,7 +93,7 @@ def test_the_strategy_has_the_optimum_of_the_plain_model(
 
 @pytest.mark.parametrize("seed", range(7))
 def test_lone_runs_bound_the_optimum_and_their_rows_cut_no_plan_off(seed: int) -> None:
-    compiled = mission(seed, agents=3).compile()
+    compiled = compile_mission(mission(seed, agents=3))
     _, optimum = plain(compiled)
     lone = lone_runs(Work.of(compiled, HIGHS, EXACT))
     if optimum is None:
@@ -111,7 +113,7 @@ def test_a_team_that_gets_along_needs_no_solver_for_the_whole() -> None:
     text += AGENT.format(k=1, x=1, y=1, w=1) + AGENT.format(k=2, x=1, y=5, w=1)
     text += REGIONS.format(low=1, high=5) + "require a: eventually r1 in east\n"
     text += "require b: eventually r2 in east\nrequire c: always separation(r1, r2) >= 0.2 m\n"
-    compiled = Mission.from_text(text + "minimize effort").compile()
+    compiled = compile_mission(loads(text + "minimize effort"))
     found = run_strategies([LONE, PRIORITISED], Work.of(compiled, HIGHS, SolveOptions()))
     assert found.status is Status.OPTIMAL
     assert found.solver_version.startswith("agents alone")
@@ -126,7 +128,7 @@ def test_agents_in_each_others_way_are_planned_one_after_the_other(agents: int) 
         goal = f"box [4.5, 5] x [{ways[1][k - 1] - 0.2}, {ways[1][k - 1] + 0.2}]"
         text += f"region goal{k} = {goal}\nrequire reach{k}: eventually r{k} in goal{k}\n"
     text += "require apart: forall (a, b) in pairs: always separation(a, b) >= 1.5 m\n"
-    compiled = Mission.from_text(text + "minimize effort").compile()
+    compiled = compile_mission(loads(text + "minimize effort"))
     work = LONE.run(Work.of(compiled, HIGHS, EXACT))
     assert isinstance(work, Work)
     joint = Joint(work)
@@ -138,7 +140,7 @@ def test_agents_in_each_others_way_are_planned_one_after_the_other(agents: int) 
 
 def test_projection_leaves_out_what_others_are_asked() -> None:
     task = mission(1, agents=3)
-    alone = project(task, ("r1",), task.compile().channels)
+    alone = project(task, ("r1",), compile_mission(task).channels)
     assert list(alone.agents) == ["r1"]
     assert {"reach1", "clear1"} <= {r.name for r in alone.requirements}
     assert not {"reach2", "clear3"} & {r.name for r in alone.requirements}
@@ -152,5 +154,5 @@ def test_other_objectives_have_no_lone_runs(objective: str) -> None:
     task = mission(1)
     text = task.source.text.rpartition("minimize")[0] + objective
     text = text.replace("require talk", "# require talk")
-    compiled = Mission.from_text(text).compile()
+    compiled = compile_mission(loads(text))
     assert not LONE.applies(Work.of(compiled, HIGHS, EXACT))

@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stlc import Mission
+from stlc.api import load
 from stlc.backends import get
 from stlc.backends.base import SolveOptions
+from stlc.milp.compile import compile_mission
 from stlc.milp.encodings import compile_options
 from stlc.solve.bounders.arcs import Arcs
 from stlc.solve.bounders.ascent import ascend, shares, smoothed
@@ -27,7 +28,7 @@ MISSION = Path(__file__).parents[2] / "benchmarks" / "missions" / "two_agents_t4
 
 def _searched() -> tuple[Search, Node]:
     """A search and its root after the joint programme and the LP relaxation."""
-    compiled = Mission.from_file(MISSION).compile(compile_options("auto"))
+    compiled = compile_mission(load(MISSION), compile_options("auto"))
     problem = recognise(compiled)
     assert problem is not None
     session = Session(
@@ -49,7 +50,7 @@ def _arcs(search: Search, node: Node) -> Arcs:
 @pytest.fixture(scope="module")
 def optimum() -> float:
     """By the plain model."""
-    compiled = Mission.from_file(MISSION).compile(compile_options("auto"))
+    compiled = compile_mission(load(MISSION), compile_options("auto"))
     value = get("highs").solve(compiled.model, SolveOptions(gap=1e-6)).objective
     assert value is not None
     return value

@@ -8,9 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stlc.api import loads, solve, verify
 from stlc.channels import ChannelTables
 from stlc.errors import StlcError
 from stlc.ir.nodes import Quantity, Relation
+from stlc.milp.compile import compile_mission
 from stlc.mission import Bound, Mission
 from stlc.radio.links import Modulation, required_ebn0_db
 from stlc.verify.report import Report
@@ -47,12 +49,12 @@ def mission(
     folder: Path | None = None,
 ) -> Mission:
     channel = f"channel radio {{ {model} {cells}; {more} }}"
-    return Mission.from_text("\n".join([WORLD, channel, *lines]), folder=folder)
+    return loads("\n".join([WORLD, channel, *lines]), folder=folder)
 
 
 def solved(task: Mission) -> Report:
-    outcome = task.solve()
-    report = task.verify(outcome.plan)
+    outcome = solve(task)
+    report = verify(task, outcome.plan)
     assert report.ok
     return report
 
@@ -148,7 +150,7 @@ def test_every_modulation(modulation: Modulation) -> None:
 def test_rayleigh_and_a_fading_variance_count_fading_twice() -> None:
     channel = MODEL.replace("oqpsk_802_15_4", "rayleigh_bpsk")
     with pytest.raises(StlcError, match="fading"):
-        mission("require talk: eventually[1, 4] ber(a, b) <= 3e-2", model=channel).compile()
+        compile_mission(mission("require talk: eventually[1, 4] ber(a, b) <= 3e-2", model=channel))
 
 
 def test_pairs_of_agents_share_one_table() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from stlc.api import loads
 from stlc.errors import InfeasibleError
 from stlc.mission import Mission
 from stlc.solve.driver import Outcome, SolveSettings, solve_mission
@@ -22,7 +23,7 @@ minimize effort
 
 def mission(obstacles: str, start: str, goal: str, steps: int) -> Mission:
     text = HEAD.format(obstacles=obstacles, start=start, goal=goal, steps=steps)
-    return Mission.from_text(text)
+    return loads(text)
 
 
 def solve(obstacles: str, start: str, goal: str, steps: int = 7) -> Outcome:

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from stlc import Mission
+from stlc.api import loads
 from stlc.errors import InfeasibleError
-from stlc.mission import Polytope
+from stlc.mission import Mission, Polytope
 from stlc.plan import Plan, make_plan
 
 POINTS = 200
@@ -96,7 +96,7 @@ minimize effort
     ],
 )
 def test_plans_hold_at_all_times(kind: str, seed: int, discrete: bool) -> None:
-    mission = Mission.from_text(world(kind, seed, discrete=discrete))
+    mission = loads(world(kind, seed, discrete=discrete))
     assert mission.workspace_swept
     plan = mission.solve().plan
     motion = dense(kind, mission, plan)
@@ -119,7 +119,7 @@ def distance(place: np.ndarray, box: Polytope) -> float:
 def test_verdicts_on_random_runs_are_sound(kind: str) -> None:
     """No verdict is better than 200 samples a step say, and none is much worse."""
     random = np.random.default_rng(7)
-    mission = Mission.from_text(world(kind, 1))
+    mission = loads(world(kind, 1))
     pillar = mission.obstacles["pillar"].frames[0][0]
     space = mission.workspace
     assert space is not None
@@ -165,7 +165,7 @@ require safe: always a outside w swept
 
 def test_a_turning_boat_is_not_judged_by_its_chord() -> None:
     """Its chord clears w by 0.92 m; its true arc is 0.233 m inside at 1.05 s."""
-    mission = Mission.from_text(BOAT)
+    mission = loads(BOAT)
     with pytest.raises(InfeasibleError):
         mission.solve()
     agent = mission.agents["a"]
@@ -191,14 +191,16 @@ minimize effort
 
 @pytest.mark.parametrize(("times", "kept"), [("", False), ("sampled", False), ("swept", True)])
 def test_the_workspace_between_samples_is_kept_where_promised(times: str, kept: bool) -> None:
-    mission = Mission.from_text(FAST.format(times=times))
-    outcome = mission.solve()
+    mission = loads(FAST.format(times=times))
+    outcome = api.solve(
+        mission,
+    )
     out = -dense("double_integrator", mission, outcome.plan)["r"][..., 0].min()
     assert (out <= SLACK) == kept
     notes = "\n".join(outcome.plan.certificate["notes"])
     assert ("leaves the workspace by" in notes) == (not kept)
     assert ("holds between samples too" in notes) == kept
-    swept = Mission.from_text(FAST.format(times="swept"))
+    swept = loads(FAST.format(times="swept"))
     verdict = swept.verify(make_plan(swept, *(
         {"r": getattr(outcome.plan.runs["r"], part)} for part in ("states", "inputs")
     )))  # fmt: skip

@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from stlc.api import loads
 from stlc.milp.compile import CompileOptions
-from stlc.mission import Mission
 from stlc.solve.driver import Outcome, SolveSettings, solve_mission
 
 SPACE = "step 1 s\nhorizon {horizon}\nworkspace box [0, 10] x [0, 10]\n"
@@ -17,7 +17,7 @@ CART = "agent a : double_integrator {{ start {start}; control |u| <= 1; speed <=
 
 def plan(text: str, horizon: int = 6, stl: str = "auto") -> Outcome:
     """Solve and verify."""
-    mission = Mission.from_text(SPACE.format(horizon=horizon) + text)
+    mission = loads(SPACE.format(horizon=horizon) + text)
     outcome = solve_mission(mission, SolveSettings(compile=CompileOptions(stl=stl), threads=1))
     assert outcome.report.ok
     return outcome

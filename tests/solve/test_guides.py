@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from stlc.api import loads
 from stlc.milp.compile import Compiled, compile_mission
-from stlc.mission import Mission
 from stlc.solve.heuristics.dive import find_start
 from stlc.solve.heuristics.lattice_runs import guides
 from tests.milp.worlds import value
@@ -32,7 +32,7 @@ maximize robustness
 
 
 def compiled(steps: int) -> Compiled:
-    return compile_mission(Mission.from_text(HEAD.format(steps=steps)))
+    return compile_mission(loads(HEAD.format(steps=steps)))
 
 
 def test_exact_guide_satisfies_the_mission() -> None:

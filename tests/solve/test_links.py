@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 from support.link_missions import Variant, write_mission
 
-from stlc import Mission, backends
+from stlc import backends
+from stlc.api import load
 from stlc.backends.base import Progress, SolveOptions, Status
 from stlc.errors import InfeasibleError
 from stlc.milp.compile import Compiled, compile_mission
+from stlc.mission import Mission
 from stlc.solve.certify import certify
 from stlc.solve.link_search import LINKS
 from stlc.solve.relaxation.recognise import recognise
@@ -82,7 +84,7 @@ def test_plain_missions_are_left_alone(tmp_path: Path) -> None:
         "require go: eventually[1, 3] a in home\nminimize effort\n",
         encoding="utf-8",
     )
-    compiled = compile_mission(Mission.from_file(path))
+    compiled = compile_mission(load(path))
     assert recognise(compiled) is None
     work = Work.of(compiled, backends.get("highs"), SolveOptions())
     assert LINKS.run(work) is work
@@ -106,7 +108,7 @@ def test_an_agent_on_a_face_counts_in_the_blocked_cell(tmp_path: Path) -> None:
         "minimize 0.1 * effort + 1.0 * link_cost(radio)\n",
         encoding="utf-8",
     )
-    compiled = compile_mission(Mission.from_file(path))
+    compiled = compile_mission(load(path))
     found = run_strategy("links", compiled, backends.get("highs"), SolveOptions(gap=1e-6))
     assert found.status is Status.OPTIMAL
     assert found.objective == pytest.approx(0.3, abs=1e-6)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from stlc import Mission
+from stlc.api import load
 from stlc.milp.encodings import compile_options
 from stlc.solve.driver import Outcome, SolveSettings, solve_mission
 
@@ -20,7 +20,7 @@ def _solve(**words: str) -> Outcome:
         compile=compile_options(words.get("encoding", "auto")),
         time_limit=300.0,
     )
-    return solve_mission(Mission.from_file(FILE), settings)
+    return solve_mission(load(FILE), settings)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from stlc import Mission
+from stlc.api import loads
+from stlc.mission import Mission
 
 SIZE = 6
 STEPS = 4
@@ -219,7 +220,7 @@ def write_kind(folder: Path, kind: Kind, seed: int) -> Mission:
         f"require apart: always[1, {kind.steps}] separation(a0, a1) >= 0.5",
         f"minimize {kind.cost}",
     ]  # fmt: skip
-    return Mission.from_text("\n".join(lines) + "\n", folder=folder)
+    return loads("\n".join(lines) + "\n", folder=folder)
 
 
 _DYNAMICS = (

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from stlc import Mission
+from stlc.api import load
+from stlc.mission import Mission
 
 SIZE = 6
 
@@ -64,7 +65,7 @@ def write_mission(folder: Path, seed: int, variant: Variant) -> Mission:
     ]
     path = folder / f"mission_{seed}.stl"
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    return Mission.from_file(path)
+    return load(path)
 
 
 def _free_point(rng: np.random.Generator, hole: np.ndarray) -> np.ndarray:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from stlc.api import loads
 from stlc.errors import MissionError, UsageError
-from stlc.mission import Mission
 from stlc.source import Source
 from stlc.syntax.compare import same_syntax
 from stlc.syntax.lalr import MAX_DEPTH
@@ -98,14 +98,14 @@ def test_a_flat_chain_of_operations_does_not_nest(operator):
         text = text.replace(" 2", " 1")
     again = format_file(parse(Source("x", text)).file)
     assert same_syntax(parse(Source("x", text)).file, parse(Source("x", again)).file)
-    assert Mission.from_text(text).requirements
+    assert loads(text).requirements
 
 
 def test_a_flat_objective_does_not_nest():
     head = "horizon 3\nagent r : single_integrator { start (0, 0); control |u| <= 1 }\n"
-    mission = Mission.from_text(head + f"minimize {' + '.join(['effort * 1 * 2 / 2'] * 2000)}\n")
+    mission = loads(head + f"minimize {' + '.join(['effort * 1 * 2 / 2'] * 2000)}\n")
     assert sum(t.weight for t in mission.objective) == 2000
-    assert Mission.from_text(head + f"minimize effort{' * 1' * 2000}\n").objective
+    assert loads(head + f"minimize effort{' * 1' * 2000}\n").objective
 
 
 def test_brackets_in_a_chain_still_nest():

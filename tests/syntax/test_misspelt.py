@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from stlc.diagnostics import Diagnostic
+from stlc.grammar.units import UNITS, nearest_unit
 from stlc.source import Source
 from stlc.syntax.parse import parse
-from stlc.syntax.units import UNITS, nearest_unit
 
 
 def only_mistake(text: str) -> Diagnostic:

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from stlc.api import loads
 from stlc.ir.nodes import Motion, Swept, walk
-from stlc.mission import Mission
 from stlc.plan import make_plan
 from stlc.verify import verify
 
@@ -23,7 +23,7 @@ minimize effort
 
 
 def load(requirement):
-    return Mission.from_text(TEXT.format(requirement))
+    return loads(TEXT.format(requirement))
 
 
 def claims(mission):

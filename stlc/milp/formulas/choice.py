@@ -23,12 +23,10 @@ from stlc.analysis.bounds import value_range
 from stlc.analysis.goals import Goal, Level
 from stlc.arrays import Floats, Ints
 from stlc.errors import MissionError
-from stlc.ir.nodes import Linear, Node, Role, Signal
+from stlc.ir.nodes import Linear, Node, Role, Signal, Terms
 from stlc.milp.big_m import LARGEST, TooLargeM
 from stlc.milp.builder import ModelBuilder
 from stlc.milp.context import Context
-
-Terms = tuple[tuple[Signal, float], ...]
 
 _TINY = 1e-7  # coefficients below a solver's tolerance only harm
 

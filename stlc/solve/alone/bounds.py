@@ -11,17 +11,18 @@ over time are spread thinly in it. Alone, an agent's model is small and soon sol
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from stlc.arrays import Floats, Ints
+from stlc.arrays import Ints
 from stlc.backends.base import Capability, Solution, SolveOptions, Status
 from stlc.errors import InfeasibleError, SolverError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.milp.model import Block, Model, Origin
 from stlc.mission import TermKind
 from stlc.solve.alone.project import project
+from stlc.solve.alone.run import LoneRun, Run
 from stlc.solve.strategy import Work
 
 _SLACK = 1e-6  # relative: solvers satisfy rows to within about this
@@ -29,18 +30,6 @@ _MOST = 20.0  # s for one agent, and no more than a share of the time limit
 _SHARE = 0.1
 _LEAST = 1.0  # s
 _NEEDED = Capability.TIME_LIMIT | Capability.GAP
-
-Run = tuple[Floats, Floats]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class LoneRun:
-    """One agent alone: a lower bound of its effort, and the best run found, states (T+1, n) and
-    inputs (T, m)."""
-
-    agent: str
-    bound: float
-    run: Run | None
 
 
 def has_lone_runs(work: Work) -> bool:

@@ -14,8 +14,9 @@ from stlc.arrays import Floats
 from stlc.errors import InfeasibleError, SolverError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.milp.model import Model
-from stlc.solve.alone.bounds import Run, bounded, brief, least
+from stlc.solve.alone.bounds import bounded, brief, least
 from stlc.solve.alone.project import project
+from stlc.solve.alone.run import Run
 from stlc.solve.certify import continuous_part
 from stlc.solve.mip_start import hold
 from stlc.solve.strategy import Strategy, Work

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from stlc.api import loads
 from stlc.errors import InfeasibleError
 from stlc.ir.nodes import Always, And, Eventually, Linear, Node, Role, Signal
 from stlc.ir.requirement import Requirement
-from stlc.milp.compile import compile_mission
-from stlc.milp.unreachable import Unreachable
 from stlc.mission import Mission
+from stlc.solve.blame import Blamed, compile_or_blame
 from stlc.source import Source
 from tests.milp.worlds import agent, mission
 
@@ -23,8 +23,8 @@ def world(formula: Node, limit: float = 50.0) -> Mission:
 
 
 def test_deadline_before_the_earliest_step() -> None:
-    with pytest.raises(Unreachable) as found:
-        compile_mission(world(Eventually(FAR, 0, 3, span=TEXT.span(0, 19))))
+    with pytest.raises(Blamed) as found:
+        compile_or_blame(world(Eventually(FAR, 0, 3, span=TEXT.span(0, 19))))
     assert found.value.exit_status == 3
     assert found.value.blame.earliest == 6
     assert found.value.blame.deadline == 3
@@ -36,21 +36,21 @@ def test_deadline_before_the_earliest_step() -> None:
 
 def test_blame_goes_into_conjuncts_and_steps() -> None:
     near = Linear(((Signal("a", Role.STATE, 0), 1.0),), 9.0)
-    with pytest.raises(Unreachable) as found:
-        compile_mission(world(And((Always(near, 0, 4), Always(FAR, 2, 4)))))
+    with pytest.raises(Blamed) as found:
+        compile_or_blame(world(And((Always(near, 0, 4), Always(FAR, 2, 4)))))
     assert found.value.blame.span == FAR.span
     assert (found.value.blame.deadline, found.value.blame.earliest) == (2, 6)
 
 
 def test_bounds_can_put_it_out_of_reach_for_good() -> None:
-    with pytest.raises(Unreachable, match="out of reach at every step"):
-        compile_mission(world(Eventually(FAR, 0, 3), limit=5.0))
+    with pytest.raises(Blamed, match="out of reach at every step"):
+        compile_or_blame(world(Eventually(FAR, 0, 3), limit=5.0))
 
 
 def test_contradictory_bounds_name_the_agent() -> None:
     one = agent("a", "single", 9.0, 5.0)
     with pytest.raises(InfeasibleError, match="agent 'a' cannot keep its bounds"):
-        compile_mission(mission((one,), 4, ()))
+        compile_or_blame(mission((one,), 4, ()))
 
 
 LINKED = """
@@ -63,7 +63,7 @@ require talk: eventually[0, 8] rssi(a, base) >= -41 dBm
 
 
 def test_a_link_that_no_whole_cell_offers_says_so() -> None:
-    with pytest.raises(Unreachable, match="for whole cells: try a finer `partition`"):
-        compile_mission(Mission.from_text(LINKED.replace("{bound}", "worst")))
-    with pytest.raises(Unreachable, match=r"at every step$"):
-        compile_mission(Mission.from_text(LINKED.replace("{bound}", "mean")))
+    with pytest.raises(Blamed, match="for whole cells: try a finer `partition`"):
+        compile_or_blame(loads(LINKED.replace("{bound}", "worst")))
+    with pytest.raises(Blamed, match=r"at every step$"):
+        compile_or_blame(loads(LINKED.replace("{bound}", "mean")))

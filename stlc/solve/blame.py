@@ -1,4 +1,4 @@
-"""Why a requirement cannot hold: the error that interval analysis raises.
+"""Why a requirement cannot hold, where interval analysis has proven it.
 
 The blame is followed down the formula: into a conjunct or a step that fails, to an `eventually`
 or a predicate whose static upper bound stays below the margin. Reach sets over a longer horizon
@@ -13,9 +13,10 @@ from dataclasses import dataclass, replace
 from stlc.analysis.bounds import static_bounds
 from stlc.analysis.doubles import RangeLost
 from stlc.analysis.reach import reach
-from stlc.errors import InfeasibleError
+from stlc.analysis.unreachable import Unreachable
 from stlc.ir.nodes import Always, And, Eventually, Link, Node, Quantity, Until
 from stlc.ir.requirement import Requirement
+from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.mission import Bound, Mission
 from stlc.source import Span
 
@@ -49,20 +50,27 @@ class Blame:
         )
 
 
-class Unreachable(InfeasibleError):
+class Blamed(Unreachable):
     """A requirement is out of reach; `blame` says what of it, where in the file, and when."""
 
     def __init__(self, requirement: Requirement, blame: Blame) -> None:
-        self.requirement = requirement.name
+        super().__init__(requirement, str(blame))
         self.span = requirement.span
         self.blame = blame
-        super().__init__(f"requirement '{requirement.name}' cannot hold: {blame}")
 
 
-def unreachable(mission: Mission, name: str) -> Unreachable:
-    """The error for the requirement of that name."""
-    requirement = next(r for r in mission.requirements if r.name == name)
-    return Unreachable(requirement, _Analysis(mission, requirement.margin).blame(requirement))
+def compile_or_blame(mission: Mission, options: CompileOptions | None = None) -> Compiled:
+    """Compile; a requirement that is out of reach is looked into.
+
+    Raises as `compile_mission`, with Blamed for Unreachable.
+    """
+    try:
+        return compile_mission(mission, options)
+    except Unreachable as error:
+        name = error.requirement.name
+        requirement = next(r for r in mission.requirements if r.name == name)
+        blame = _Analysis(mission, requirement.margin).blame(requirement)
+        raise Blamed(requirement, blame) from None
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,105 @@
+"""The Python API: load a mission, compile it, solve it, verify a plan, explain why there is none.
+
+    from stlc import api
+
+    mission = api.load("mission.stl", params={"speed": "2 m/s"})
+    outcome = api.solve(mission)
+    print(outcome.plan.solve.objective, outcome.report.text())
+
+Every function raises StlcError subclasses, each with its exit status and, where the mission is at
+fault, the place in the file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from stlc.diagnostics import Diagnostic
+    from stlc.explain.conflict import Conflict, Verdict
+    from stlc.milp.compile import Compiled, CompileOptions
+    from stlc.mission import Mission
+    from stlc.plan import Plan
+    from stlc.solve.driver import Outcome, SolveSettings
+    from stlc.solve.events import Listener
+    from stlc.verify import Report
+
+__all__ = ["check", "compile", "explain", "load", "loads", "solve", "verify"]
+
+Params = Mapping[str, str | float]
+
+
+def load(
+    path: str | Path, *, params: Params | None = None, allow_paths: Sequence[Path] = ()
+) -> Mission:
+    """Check a mission file. UsageError when it isn't there, MissionError when it has mistakes.
+
+    `params` override `param` statements (numbers, or texts with units such as "3 m/s"). Imports
+    and data are read only from under the file's folder and `allow_paths`.
+    """
+    from stlc.sema import load_mission
+    from stlc.syntax.read import read_source
+
+    folder = Path(path).resolve().parent
+    return load_mission(read_source(Path(path)), params or {}, folder, tuple(allow_paths))
+
+
+def loads(
+    text: str,
+    *,
+    name: str = "<text>",
+    params: Params | None = None,
+    folder: Path | None = None,
+    allow_paths: Sequence[Path] = (),
+) -> Mission:
+    """Check a mission given as text; files it names are read from under `folder`.
+
+    Raises MissionError with every mistake found.
+    """
+    from stlc.sema import load_mission
+    from stlc.source import Source
+
+    return load_mission(Source(name, text), params or {}, folder, tuple(allow_paths))
+
+
+def check(mission: Mission) -> tuple[Diagnostic, ...]:
+    """The warnings; a mission with errors never comes to be."""
+    return mission.warnings
+
+
+def compile(mission: Mission, options: CompileOptions | None = None) -> Compiled:
+    """The MILP of a mission. InfeasibleError where intervals prove that there is no plan."""
+    from stlc.solve.blame import compile_or_blame
+
+    return compile_or_blame(mission, options)
+
+
+def solve(
+    mission: Mission,
+    settings: SolveSettings | None = None,
+    listen: Listener | None = None,
+    should_stop: Callable[[], bool] | None = None,
+) -> Outcome:
+    """A certified, verified plan; errors as `stlc.solve.driver.solve_mission`."""
+    from stlc.solve.driver import solve_mission
+    from stlc.solve.events import ignore
+
+    return solve_mission(mission, settings, listen or ignore, should_stop)
+
+
+def verify(mission: Mission, plan: Plan) -> Report:
+    """Judge a plan independently of every encoder."""
+    from stlc.verify import verify as judge
+
+    return judge(mission, plan)
+
+
+def explain(
+    mission: Mission, *, backend: str = "highs", time_limit: float = 60.0
+) -> Conflict | Verdict:
+    """Which requirements cannot hold together; `time_limit` [s] holds for each solve."""
+    from stlc.explain.conflict import explain as look
+
+    return look(mission, backend=backend, time_limit=time_limit)
