@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from stlc.api import loads
+from stlc.api import loads, solve
 from stlc.errors import InfeasibleError
 from stlc.mission import Mission, Polytope
 from stlc.plan import Plan, make_plan
@@ -98,7 +98,7 @@ minimize effort
 def test_plans_hold_at_all_times(kind: str, seed: int, discrete: bool) -> None:
     mission = loads(world(kind, seed, discrete=discrete))
     assert mission.workspace_swept
-    plan = mission.solve().plan
+    plan = solve(mission).plan
     motion = dense(kind, mission, plan)
     space, pillar = mission.workspace, mission.obstacles["pillar"].frames[0][0]
     assert space is not None
@@ -132,7 +132,7 @@ def test_verdicts_on_random_runs_are_sound(kind: str) -> None:
                 x.append(agent.dynamics.A @ x[-1] + agent.dynamics.B @ row)
             states[name], inputs[name] = np.array(x), u
         plan = make_plan(mission, states, inputs)
-        report, motion = mission.verify(plan), dense(kind, mission, plan)
+        report, motion = verify(mission, plan), dense(kind, mission, plan)
         truth = {
             "clear": min(distance(place, pillar) for place in motion.values()),
             "apart": np.abs(motion["a"] - motion["b"]).max(axis=-1).min() - 0.6,
@@ -167,12 +167,12 @@ def test_a_turning_boat_is_not_judged_by_its_chord() -> None:
     """Its chord clears w by 0.92 m; its true arc is 0.233 m inside at 1.05 s."""
     mission = loads(BOAT)
     with pytest.raises(InfeasibleError):
-        mission.solve()
+        solve(mission)
     agent = mission.agents["a"]
     x = [agent.start]
     for _ in range(2):
         x.append(agent.dynamics.A @ x[-1])
-    report = mission.verify(make_plan(mission, {"a": np.array(x)}, {"a": np.zeros((2, 2))}))
+    report = verify(mission, make_plan(mission, {"a": np.array(x)}, {"a": np.zeros((2, 2))}))
     body = next(c for c in report.clearances if c.what == "body")
     assert body.value == pytest.approx(-0.2333, abs=1e-3)
     assert body.time == pytest.approx(1.05, abs=0.02)
@@ -192,9 +192,7 @@ minimize effort
 @pytest.mark.parametrize(("times", "kept"), [("", False), ("sampled", False), ("swept", True)])
 def test_the_workspace_between_samples_is_kept_where_promised(times: str, kept: bool) -> None:
     mission = loads(FAST.format(times=times))
-    outcome = api.solve(
-        mission,
-    )
+    outcome = solve(mission)
     out = -dense("double_integrator", mission, outcome.plan)["r"][..., 0].min()
     assert (out <= SLACK) == kept
     notes = "\n".join(outcome.plan.certificate["notes"])
