@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from stlc.api import loads, solve
+from stlc.api import loads, solve, verify
 from stlc.errors import InfeasibleError
 from stlc.mission import Mission, Polytope
 from stlc.plan import Plan, make_plan
@@ -199,7 +199,7 @@ def test_the_workspace_between_samples_is_kept_where_promised(times: str, kept: 
     assert ("leaves the workspace by" in notes) == (not kept)
     assert ("holds between samples too" in notes) == kept
     swept = loads(FAST.format(times="swept"))
-    verdict = swept.verify(make_plan(swept, *(
+    verdict = verify(swept, make_plan(swept, *(
         {"r": getattr(outcome.plan.runs["r"], part)} for part in ("states", "inputs")
     )))  # fmt: skip
     assert [v.kind for v in verdict.violations] == ([] if kept else ["workspace"])
