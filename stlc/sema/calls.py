@@ -71,20 +71,18 @@ def expand(let: ast.Let, expr: ast.Call, env: Env, scope: Scope) -> Value:
         raise Mistake(_let_arity(let, expr))
     values = tuple(scope.value(a, env) for a in expr.args)
     key = ("call", let.name.text, values, env.positive, env.margin)
-    known = scope.memo.get(key)
+    known = scope.known(key)
     if known is not None:
-        return Truth(known)
+        return known if isinstance(known, Scalar) else Truth(known)
     bound = {p.text: v for p, v in zip(let.parameters, values, strict=True)}
     inner = Env(bound, env.positive, env.margin)
     try:
-        with scope.expanding(let.name.text, expr.span):
+        with scope.expanding(let.name.text, expr.span), scope.expanded(key):
             value = scope.value(let.body, inner)
     except Mistake as mistake:
         note = with_note(mistake.diagnostic, f"in this use of `{let.name.text}`", expr.span)
         raise Mistake(note) from None
-    if isinstance(value, Truth):
-        scope.memo[key] = value.node
-    return value
+    return scope.keep(key, value)
 
 
 def _let_arity(let: ast.Let, expr: ast.Call) -> WrongArity:

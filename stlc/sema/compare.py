@@ -28,14 +28,11 @@ from stlc.ir.nodes import (
 )
 from stlc.sema import units
 from stlc.sema.channel_errors import BadLink
-from stlc.sema.name_errors import TooManyPieces
 from stlc.sema.report import Mistake
-from stlc.sema.scalars import add, mismatch, scale
+from stlc.sema.scalars import add, few, mismatch, scale
 from stlc.sema.unit_errors import LevelAgainstRatio
 from stlc.sema.values import Fold, FoldKind, LinkAtom, Scalar
 from stlc.source import Span
-
-MOST_PIECES = 4096
 
 Operator = Literal["<", "<=", ">", ">=", "==", "!="]
 
@@ -84,16 +81,7 @@ def _level_units(left: Scalar, right: Scalar, span: Span) -> tuple[Scalar, Scala
 
 def at_least_zero(scalar: Scalar, span: Span, positive: bool) -> Node:
     """`scalar >= 0` as a formula."""
-    if _pieces(scalar) > MOST_PIECES:
-        raise Mistake(TooManyPieces(span=span, limit=MOST_PIECES))
-    return _unfold(scalar, span, positive)
-
-
-def _pieces(scalar: Scalar) -> int:
-    total = 1
-    for fold, _ in scalar.folds:
-        total = min(total * sum(_pieces(a) for a in fold.args), MOST_PIECES + 1)
-    return total
+    return _unfold(few(scalar, span), span, positive)
 
 
 def _unfold(scalar: Scalar, span: Span, positive: bool) -> Node:

@@ -33,7 +33,7 @@ def is_cost(expr: ast.Expr, env: Env, scope: Scope) -> bool:
                 return False
             found = scope.declarations.get(text)
             if isinstance(found, ast.Let) and not found.parameters:
-                return text not in scope.evaluating and is_cost(found.body, env, scope)
+                return text not in scope.evaluating and _names_cost(found, scope)
             return found is None and text in COSTS
         case ast.Call(function=function):
             return function.text in COSTS
@@ -47,6 +47,15 @@ def is_cost(expr: ast.Expr, env: Env, scope: Scope) -> bool:
         case ast.Quantifier(kind="sum", body=body):
             return is_cost(body, env, scope)
     return False
+
+
+def _names_cost(let: ast.Let, scope: Scope) -> bool:
+    """Whether the body of a plain `let` holds a cost; each is looked through once."""
+    name = let.name.text
+    if name not in scope.cost_lets:
+        scope.cost_lets[name] = False  # while it is looked through: a cycle holds none
+        scope.cost_lets[name] = is_cost(let.body, Env({}), scope)
+    return scope.cost_lets[name]
 
 
 def cost_term(expr: ast.Expr, weight: float, env: Env, scope: Scope) -> ObjectiveTerm:

@@ -8,7 +8,7 @@ from stlc.sema.calls import call
 from stlc.sema.formulas import formula
 from stlc.sema.members import attribute, index
 from stlc.sema.name_errors import WrongKind
-from stlc.sema.quantifiers import assignments, bound_with, domain_items
+from stlc.sema.quantifiers import domain_items, instances
 from stlc.sema.report import Mistake, nearest, with_note
 from stlc.sema.scope import Scope, wrong_unit
 from stlc.sema.unit_errors import UnknownUnit
@@ -121,21 +121,19 @@ def overridden(value: Scalar, override: Scalar, name: str, found: ast.Param) -> 
 
 
 def plain_let(found: ast.Let, expr: ast.Name, env: Env, scope: Scope) -> Value:
-    """A `let` without parameters; formulas are kept for each polarity."""
+    """A `let` without parameters; its value is kept for each polarity."""
     key = ("let", expr.text, env.positive, env.margin)
-    known = scope.memo.get(key)
+    known = scope.known(key)
     if known is not None:
-        return Truth(known)
+        return known if isinstance(known, Scalar) else Truth(known)
     inner = Env({}, env.positive, env.margin)
     try:
-        with scope.expanding(expr.text, expr.span):
+        with scope.expanding(expr.text, expr.span), scope.expanded(key):
             value = scope.value(found.body, inner)
     except Mistake as mistake:
         note = with_note(mistake.diagnostic, f"in this use of `{expr.text}`", expr.span)
         raise Mistake(note) from None
-    if isinstance(value, Truth):
-        scope.memo[key] = value.node
-    return value
+    return scope.keep(key, value)
 
 
 def arithmetic(expr: ast.Arithmetic, env: Env, scope: Scope) -> Scalar:
@@ -165,7 +163,6 @@ def operation(expr: ast.Arithmetic, left: Scalar, right: Scalar) -> Scalar:
 def sum_over(expr: ast.Quantifier, env: Env, scope: Scope) -> Scalar:
     """`sum a in agents: a.x`."""
     total = Scalar(0.0)
-    for bound in assignments(expr, env, scope):
-        term = scope.scalar(expr.body, bound_with(env, bound))
-        total = scalars.add(total, term, expr.span)
+    for inner in instances(expr, env, scope):
+        total = scalars.add(total, scope.scalar(expr.body, inner), expr.span)
     return total

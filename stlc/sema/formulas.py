@@ -25,8 +25,8 @@ from stlc.record import changed
 from stlc.sema import clock, links
 from stlc.sema.compare import Operator, at_least_zero, compare, is_condition, is_integer
 from stlc.sema.membership import membership
-from stlc.sema.name_errors import NotNegatable, TooManyPieces, WrongKind
-from stlc.sema.quantifiers import assignments, bound_with
+from stlc.sema.name_errors import NotNegatable, WrongKind
+from stlc.sema.quantifiers import instances
 from stlc.sema.report import Mistake, Reported
 from stlc.sema.scalars import absolute, add
 from stlc.sema.scope import Scope, as_scalar
@@ -37,7 +37,7 @@ from stlc.sema.warnings import EmptyInequality
 from stlc.source import Span
 from stlc.syntax import ast
 
-MOST_PARTS = 1_000_000
+_PIECE = 4  # evaluations that take as long as one linear piece of a comparison
 
 
 def formula(expr: ast.Expr, env: Env, scope: Scope) -> Node:
@@ -134,12 +134,7 @@ def temporal(expr: ast.Temporal, env: Env, scope: Scope) -> Node:
 
 def quantifier(expr: ast.Quantifier, env: Env, scope: Scope) -> Node:
     """forall: a conjunction; exists: a disjunction over the domain."""
-    parts: list[Node] = []
-    bindings = assignments(expr, env, scope)
-    if len(bindings) > MOST_PARTS:
-        raise Mistake(TooManyPieces(span=expr.span, limit=MOST_PARTS))
-    for bound in bindings:
-        parts.append(scope.formula(expr.body, bound_with(env, bound)))
+    parts = [scope.formula(expr.body, inner) for inner in instances(expr, env, scope)]
     if len(parts) == 1:
         return parts[0]
     kind = And if expr.kind == "forall" else Or
@@ -179,7 +174,9 @@ def _compare(
     if operator == "!=":
         return unequal(a, b, span, env, scope)
     try:
-        return compare(a, operator, b, span, env.positive)
+        node = compare(a, operator, b, span, env.positive)
+        scope.work += _PIECE * len(node.children)
+        return node
     except Mistake as mistake:
         raise Mistake(_level_advice(mistake.diagnostic, spans)) from None
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from stlc.sema.name_errors import EmptyDomain, TooManyPieces, WrongKind
@@ -37,6 +37,17 @@ def _parts(item: Value, names: list[str], span: Span) -> tuple[Value, ...]:
         return item.items
     expected = f"tuples of {len(names)}"
     raise Mistake(WrongKind(span=span, expected=expected, found=describe(item)))
+
+
+def instances(expr: ast.Quantifier, env: Env, scope: Scope) -> Iterator[Env]:
+    """The environment of each instance of the body; the scope knows how many there are."""
+    bindings = assignments(expr, env, scope)
+    scope.instances.append((len(bindings), expr.span))
+    try:
+        for bound in bindings:
+            yield bound_with(env, bound)
+    finally:
+        scope.instances.pop()
 
 
 def bound_with(env: Env, bound: Mapping[str, Value]) -> Env:

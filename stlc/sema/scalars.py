@@ -6,12 +6,14 @@ from dataclasses import replace
 from math import isfinite
 
 from stlc.sema import units
-from stlc.sema.name_errors import DivisionByZero, Nonlinear
+from stlc.sema.name_errors import DivisionByZero, Nonlinear, TooManyPieces
 from stlc.sema.report import Mistake
 from stlc.sema.unit_errors import BadExponent, LevelProduct, LevelSum, UnitMismatch
 from stlc.sema.units import Unit
 from stlc.sema.values import Atom, Fold, FoldKind, Scalar
 from stlc.source import Span
+
+MOST_PIECES = 4096
 
 
 def constant(value: float, unit: Unit | None = None) -> Scalar:
@@ -25,7 +27,24 @@ def add(a: Scalar, b: Scalar, span: Span, sign: float = 1.0) -> Scalar:
     total = finite(a.constant + sign * b.constant, span)
     if a.is_constant and b.is_constant:
         return Scalar(total, unit=unit, index=a.index or b.index)
-    return Scalar(total, _merge(a, b, sign), a.folds + _times_folds(b.folds, sign), unit)
+    return few(Scalar(total, _merge(a, b, sign), _merge_folds(a, b, sign), unit), span)
+
+
+def few(scalar: Scalar, span: Span) -> Scalar:
+    """The scalar. Raises Mistake where it has more linear pieces than can be written out."""
+    if scalar.pieces > MOST_PIECES:
+        raise Mistake(TooManyPieces(span=span, limit=MOST_PIECES))
+    return scalar
+
+
+def _merge_folds(a: Scalar, b: Scalar, sign: float) -> tuple[tuple[Fold, float], ...]:
+    """Folds of a + sign * b, equal ones together: `e + e` has no more pieces than `e`."""
+    if not b.folds:
+        return a.folds
+    folds = dict(a.folds)
+    for fold, coefficient in b.folds:
+        folds[fold] = folds.get(fold, 0.0) + sign * coefficient
+    return tuple((k, v) for k, v in folds.items() if v != 0.0)
 
 
 def _merge(a: Scalar, b: Scalar, sign: float) -> tuple[tuple[Atom, float], ...]:
@@ -183,7 +202,7 @@ def _extreme(kind: FoldKind, items: tuple[Scalar, ...], span: Span) -> Scalar:
         return Scalar(pick(s.constant for s in items), unit=unit, index=index)
     if len(items) == 1:
         return items[0]
-    return Scalar(folds=((Fold(kind, items), 1.0),), unit=unit)
+    return few(Scalar(folds=((Fold(kind, items), 1.0),), unit=unit), span)
 
 
 def absolute(a: Scalar, span: Span) -> Scalar:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
+from math import prod
 
 from stlc.ir.nodes import Node, Quantity, Signal
 from stlc.mission import Agent, Obstacle, Polytope, Region, Station, Sweep
@@ -36,10 +37,14 @@ class FoldKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Fold:
-    """Maximum or minimum of scalars."""
+    """Maximum or minimum of scalars; `pieces` counts the linear functions it is made of."""
 
     kind: FoldKind
     args: tuple[Scalar, ...]
+    pieces: int = field(init=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "pieces", sum(arg.pieces for arg in self.args))
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +64,11 @@ class Scalar:
     def is_constant(self) -> bool:
         """True when it is a number known now."""
         return not self.terms and not self.folds
+
+    @property
+    def pieces(self) -> int:
+        """How many linear functions a comparison of it expands to."""
+        return prod(fold.pieces for fold, _ in self.folds)
 
 
 @dataclass(frozen=True, slots=True)

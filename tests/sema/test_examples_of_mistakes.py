@@ -29,7 +29,19 @@ USED = """require used: eventually[0, 5] (r1 in dock and r1 in yard and r1 outsi
 """
 # need files, options, a search, another tool's language, or thousands of lines
 UNSHOWN = {
-    *("E0106", "E0112", "E0113", "E0114", "E0212", "E0213", "E0215", "E0216", "E0220", "E0222"),
+    *(
+        "E0106",
+        "E0112",
+        "E0113",
+        "E0114",
+        "E0212",
+        "E0213",
+        "E0215",
+        "E0216",
+        "E0220",
+        "E0222",
+        "E0224",
+    ),
     *(
         "E0411",
         "E0607",
