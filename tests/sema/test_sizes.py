@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from stlc.api import loads
 from stlc.errors import MissionError
 from stlc.ir.nodes import Linear
-from stlc.mission import Mission
 from stlc.sema import scope
 
 AGENT = "horizon 3\nagent r : double_integrator { start (1, 1); control |u| <= 1 }\n"
@@ -19,7 +19,7 @@ def doubling(first: str, step: str, levels: int) -> str:
 
 def test_definitions_of_numbers_are_worked_out_once() -> None:
     text = doubling("r.x", "{e} + {e}", 300) + "require a: eventually e300 >= 1 m\n"
-    mission = Mission.from_text(text)
+    mission = loads(text)
     leaf = mission.requirements[0].formula.children[0]
     assert isinstance(leaf, Linear)
     assert leaf.terms[0][1] == 2.0**300
@@ -28,27 +28,27 @@ def test_definitions_of_numbers_are_worked_out_once() -> None:
 
 def test_equal_folds_are_added_up() -> None:
     text = doubling("abs(r.x)", "{e} + {e}", 100) + "require a: eventually e100 >= 1 m\n"
-    assert len(Mission.from_text(text).requirements[0].formula.children[0].children) == 2
+    assert len(loads(text).requirements[0].formula.children[0].children) == 2
 
 
 def test_definitions_with_parameters_are_worked_out_once_for_each_argument() -> None:
     lets = "".join(f"let f{k + 1}(x) = f{k}(x) + f{k}(x + 1)\n" for k in range(40))
     text = f"{AGENT}let f0(x) = r.x + x\n{lets}require a: eventually f40(1) >= 1\n"
-    mission = Mission.from_text(text)
+    mission = loads(text)
     assert mission.requirements[0].formula.children[0].terms[0][1] == 2.0**40
     assert not mission.warnings
 
 
 def test_a_definition_that_others_use_is_used() -> None:
     text = f"{AGENT}let a = r.x >= 1 m\nlet b = a and a\nlet c = b or b\nrequire c: eventually c\n"
-    assert not Mission.from_text(text).warnings
-    unused = Mission.from_text(text.replace("eventually c", "eventually b")).warnings
+    assert not loads(text).warnings
+    unused = loads(text.replace("eventually c", "eventually b")).warnings
     assert [w.name for w in unused] == ["c"]
 
 
 def codes(text: str) -> list[str]:
     with pytest.raises(MissionError) as caught:
-        Mission.from_text(AGENT + text)
+        loads(AGENT + text)
     assert all(d.span is not None for d in caught.value.diagnostics)
     return [d.code for d in caught.value.diagnostics]
 
@@ -71,7 +71,7 @@ def test_the_size_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(scope, "MOST_WORK", 1000)
     cube = "forall i in 1..1000: forall j in 1..1000: forall k in 1..1000: r.x >= i + j + k"
     with pytest.raises(MissionError, match="expands to 1e\\+09 instances"):
-        Mission.from_text(f"{AGENT}require a: always {cube}\n")
+        loads(f"{AGENT}require a: always {cube}\n")
 
 
 def test_folds_within_folds_are_refused_early() -> None:
