@@ -21,7 +21,7 @@ from stlc.ir.nodes import Node
 from stlc.milp.big_m import leaky_big_ms
 from stlc.milp.builder import ModelBuilder
 from stlc.milp.context import Context
-from stlc.milp.costs import add_objective
+from stlc.milp.costs import add_objective, reserve_link_costs
 from stlc.milp.dynamics import add_agents
 from stlc.milp.formulas.encoder import FormulaEncoder
 from stlc.milp.formulas.links import LinkEncoder
@@ -119,6 +119,7 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     add_agents(ctx)
     goals = program.known_goals()
     rho = {goal: _add_goal(ctx, goal) for goal in goals}
+    reserve_link_costs(ctx, tables, options.link)
     notes = _add_requirements(ctx, program, goals, rho, tables, options)
     if "stages" not in options.disabled_passes:
         _add_stages(ctx, program)

@@ -49,6 +49,27 @@ def add_objective(ctx: Context, tables: LinkTables, encoding: str) -> tuple[str,
     return tuple(notes)
 
 
+def reserve_link_costs(ctx: Context, tables: LinkTables, encoding: str) -> None:
+    """Let link costs be the first users of the cell columns that the encodings share."""
+    if encoding not in ("auto", "unary", "lifted"):
+        return
+    from stlc.milp.tables import reserve_link_cost
+
+    for term in ctx.mission.objective:
+        if term.kind is not TermKind.LINK_COST or term.channel is None or term.weight == 0:
+            continue
+        channel = ctx.mission.channels[term.channel]
+        for pair in term.pairs:
+            table = tables.cost(channel, pair)
+            reserve_link_cost(ctx, channel, pair, table, _steps(ctx, term))
+
+
+def _steps(ctx: Context, term: ObjectiveTerm) -> range:
+    """Steps at which a link cost counts."""
+    first, last = _window(ctx, term)
+    return range(max(first, 1), last + 1)
+
+
 def _window(ctx: Context, term: ObjectiveTerm) -> tuple[int, int]:
     return term.window if term.window is not None else (0, ctx.mission.horizon)
 
@@ -108,12 +129,10 @@ def _add_link_cost(
 
     assert term.channel is not None, "semantic analysis names the channel of every link cost"
     channel = ctx.mission.channels[term.channel]
-    first, last = _window(ctx, term)
-    steps = range(max(first, 1), last + 1)
     weight = term.weight / static_range(ctx.mission, term, tables.channels)
     notes = []
     for pair in term.pairs:
         table = tables.cost(channel, pair)
-        choice = add_link_cost(ctx, channel, pair, table, steps, weight, encoding)
+        choice = add_link_cost(ctx, channel, pair, table, _steps(ctx, term), weight, encoding)
         notes.append(f"link cost of {pair[0]}, {pair[1]}: {choice.encoding.name}, {choice.reason}")
     return notes

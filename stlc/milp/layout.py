@@ -55,13 +55,18 @@ class Encoded:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PairColumns:
-    """The columns (k_a, k_b) of two ends' cells in reach at a step; cells number the partition."""
+    """The columns (k_a, k_b) of two ends' cells in reach at a step; cells number the partition.
+
+    `beside`: ends that, on a border, may count as in another touching cell than the first link
+    cost of that agent and step takes.
+    """
 
     ends: tuple[str, str]
     step: int
     partition: bytes
     cells: tuple[Ints, Ints]
     columns: Ints
+    beside: tuple[bool, bool]
 
 
 @dataclass(slots=True, eq=False)

@@ -90,7 +90,7 @@ def test_borders_belong_to_both_cells() -> None:
         assert found == pytest.approx(expected, abs=1e-6), name
 
 
-def test_pairs_costs_and_predicates_share_cells() -> None:
+def test_pairs_costs_and_predicates_stand_on_one_set_of_binaries() -> None:
     world = World({**TWO, "c": (2.5, 2.5)}, WORLD.partition, steps=2, side=5.0)
     ctx = world.context()
     for pair in (("a", "b"), ("b", "c"), ("c", "a")):
@@ -101,7 +101,17 @@ def test_pairs_costs_and_predicates_share_cells() -> None:
     assert sorted(n for n in names if "beyond" in n) == sorted(
         f"{axis}_beyond_{agent}_2" for agent in "abc" for axis in "xy"
     )
-    assert sum(n.startswith("pair_") for n in names) == 3
+    assert sum(n.startswith("pair_") for n in names) == 6  # of costs and of values
+    # Each agent is seen by two costs, two values and two literals: the first needs no choice.
+    assert sum(n.startswith("x_beside_a") for n in names) == 5
+
+
+def test_one_table_an_agent_and_step_needs_no_second_choice() -> None:
+    ctx = WORLD.context()
+    add_link_cost(ctx, WORLD.channel, ("a", "b"), WORLD.table(0), [1, 2, 3], 1.0)
+    link_literal(ctx, WORLD.channel, ("a", "b"), WORLD.table(1) < 9, 2)  # always true
+    names = [b.name for b in ctx.builder.build().col_blocks]
+    assert not [n for n in names if "border" in n or "beside" in n]
 
 
 def test_quadtree_cells_become_index_boxes() -> None:

@@ -1,8 +1,8 @@
 """Link tables in the MILP: costs, values and thresholds between cells of two radios.
 
-Cells are closed: a position on a border may count as either side. The choice is one for each
-agent, step and kind of columns, shared by every pair, cost and predicate that uses them. So at a
-border one table takes its cheapest cell, several tables the cells that are cheapest together.
+Cells are closed: at a border every cost takes the cheapest of the touching cells and every
+predicate the best, each by itself. The first table of an agent at a step has the cell columns
+to itself, the others have a choice of their own where the agent stands on a border (`users`).
 Positions are held inside the partition at the steps where a table is used.
 """
 
@@ -19,7 +19,9 @@ from stlc.milp.tables.encoding import Encoding, Size
 from stlc.milp.tables.errors import TableError
 from stlc.milp.tables.link import ends_of
 from stlc.milp.tables.registry import ENCODINGS, Choice, choose
+from stlc.milp.tables.simplex import Kind
 from stlc.milp.tables.threshold import literal
+from stlc.milp.tables.users import ALLOWED, COST, VALUE, turn_of, user_of
 
 if TYPE_CHECKING:
     from stlc.mission import Channel
@@ -34,6 +36,7 @@ __all__ = [
     "choose",
     "link_literal",
     "link_value",
+    "reserve_link_cost",
 ]
 
 
@@ -54,7 +57,7 @@ def add_link_cost(
     """
     ends = ends_of(ctx, channel.partition, pair)
     values = weight * ends.table(table)
-    links = [ends.at(step) for step in steps]
+    links = [ends.at(step, user_of(COST, ends.table(table))) for step in steps]
     choice = choose(ctx, links, encoding)
     for link in links:
         cost = choice.encoding.below(ctx, link, values)
@@ -76,8 +79,9 @@ def link_value(
     Arguments and errors as in `add_link_cost`.
     """
     ends = ends_of(ctx, channel.partition, pair)
-    link = ends.at(step)
-    return choose(ctx, [link], encoding).encoding.value(ctx, link, ends.table(values))
+    table = ends.table(values)
+    link = ends.at(step, user_of(VALUE, table))
+    return choose(ctx, [link], encoding).encoding.value(ctx, link, table)
 
 
 def link_literal(
@@ -92,4 +96,18 @@ def link_literal(
     allowed as the table of `add_link_cost`, true where the predicate holds. z = 0 says nothing.
     """
     ends = ends_of(ctx, channel.partition, pair)
-    return literal(ctx, ends.at(step), ends.table(np.asarray(allowed)) > 0.5)
+    mask = ends.table(np.asarray(allowed)) > 0.5
+    return literal(ctx, ends.at(step, user_of(ALLOWED, mask)), mask)
+
+
+def reserve_link_cost(
+    ctx: Context, channel: Channel, pair: tuple[str, str], table: ArrayLike, steps: Sequence[int]
+) -> None:
+    """Give a link cost that comes later the cell columns themselves; arguments as there.
+
+    Its pair columns are many: they had better stand on columns that bear no second choice.
+    """
+    ends = ends_of(ctx, channel.partition, pair)
+    user = user_of(COST, ends.table(table))
+    for place in (p for step in steps for p in ends.at(step, user).places):
+        turn_of(ctx, place, Kind.ORDERED)

@@ -1,8 +1,9 @@
 """Columns that say in which cell an agent is at a step, shared by everything that asks.
 
-All pairs of an agent, link costs and threshold predicates alike, use one set of columns for each
-(partition, agent, step, kind). Cells are closed: on a border the columns may choose either side,
-so a minimisation takes the cheapest. The choice is one for each agent, step and kind of columns.
+Link costs and threshold predicates alike use one set of columns for each (partition, agent, step,
+kind). Cells are closed: on a border the columns may choose either side, so a minimisation takes
+the cheapest. What comes second has ordered columns that may differ from the first ones on a border
+(`borders`), and in the other kinds columns of its own.
 
 Position and indicators s over intervals [lo_i, hi_i]:
 
@@ -20,13 +21,14 @@ gray, boxes       k columns and B(k) binaries; rows 5 + B(k)
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stlc.arrays import Floats, Ints
 from stlc.milp.builder import ModelBuilder
 from stlc.milp.context import Context
+from stlc.milp.tables.borders import beside
 from stlc.milp.tables.boxes import join_boxes
 from stlc.milp.tables.simplex import (
     Kind,
@@ -39,6 +41,7 @@ from stlc.milp.tables.simplex import (
     ordered,
 )
 from stlc.milp.tables.spans import Reach, Spans, reach
+from stlc.milp.tables.users import turn_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,11 +54,16 @@ class Group:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """An agent at a step, on a partition."""
+    """An agent at a step, on a partition, as one user sees it.
+
+    `whole`: what the user's ordered columns differ by on a border is integer.
+    """
 
     spans: Spans
     agent: str
     step: int
+    user: bytes = b""
+    whole: bool = False
 
     def reach(self, ctx: Context) -> Reach:
         """The cells it can be in."""
@@ -63,7 +71,12 @@ class Place:
 
     def key(self, what: str) -> tuple[object, ...]:
         """Memo key of something made for this place."""
-        return ("tables", what, self.spans.key, self.agent, self.step)
+        return ("tables", what, self.spans.key, self.agent, self.step, self.user)
+
+    @property
+    def shared(self) -> Place:
+        """The place as the first user sees it."""
+        return replace(self, user=b"", whole=False)
 
     def name(self, what: str) -> str:
         """Name of a block made for this place."""
@@ -72,11 +85,17 @@ class Place:
 
 def marginals(ctx: Context, place: Place, kind: Kind) -> tuple[Group, ...]:
     """Indicators that fix the cell: two groups (x and y) on a grid, else one of all cells."""
+    place = _seen(ctx, place, kind)
     key = place.key(f"marginals.{kind.value}")
     if key not in ctx.memo:
         ctx.memo[key] = _marginals(ctx, place, kind)
     found: tuple[Group, ...] = ctx.memo[key]
     return found
+
+
+def _seen(ctx: Context, place: Place, kind: Kind) -> Place:
+    """The place whose columns a user takes: the shared ones if it is the first, else its own."""
+    return place.shared if turn_of(ctx, place, kind) == 0 else place
 
 
 def _marginals(ctx: Context, place: Place, kind: Kind) -> tuple[Group, ...]:
@@ -119,7 +138,13 @@ def _axis_groups(region: Reach, simplices: Sequence[Simplex]) -> tuple[Group, ..
 
 def ordered_axes(ctx: Context, place: Place) -> tuple[Ints, Ints]:
     """Ordered binaries along x and y, b_k = 1: beyond interval k; tied to the position."""
+    place = _seen(ctx, place, Kind.ORDERED)
     key = place.key("axes")
+    if key not in ctx.memo and place.user and place.reach(ctx).unit:
+        ctx.memo[key] = tuple(
+            beside(ctx, place, axis, cols)
+            for axis, cols in enumerate(ordered_axes(ctx, place.shared))
+        )
     if key not in ctx.memo:
         region = place.reach(ctx)
         axes = tuple(
@@ -181,6 +206,7 @@ def cell_columns(ctx: Context, place: Place, kind: Kind) -> Ints:
 
     On a grid k continuous columns joined to both axes (rows m_x + m_y); else the cells' own.
     """
+    place = _seen(ctx, place, kind)
     key = place.key(f"columns.{kind.value}")
     if key in ctx.memo:
         return np.asarray(ctx.memo[key])

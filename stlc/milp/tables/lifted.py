@@ -18,7 +18,7 @@ its cuts are those of -C, rows 2 (k_a + k_b). One moving end needs its cell colu
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import blake2b
 
 import numpy as np
@@ -62,7 +62,9 @@ def _bounded(ctx: Context, link: Link, table: Floats, *, above: bool) -> Affine:
     if len(link.ends) < 2:
         return pair_value(ctx, link, table, Kind.ORDERED)
     seen = link.reachable(ctx, table)
-    cells = [cell_columns(ctx, place, Kind.ORDERED) for place in link.places]
+    # Between two choices on a border the cuts are no table: such choices are whole here.
+    places = [replace(place, whole=True) for place in link.places]
+    cells = [cell_columns(ctx, place, Kind.ORDERED) for place in places]
     value = ctx.builder.add_columns(link.name("link"), (1,), seen.min(), seen.max())
     _cuts(ctx, link.name("cut"), value, cells, seen, 1.0)
     if above:

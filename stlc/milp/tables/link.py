@@ -20,20 +20,25 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """No, one or two moving ends on one partition at one step."""
+    """No, one or two moving ends on one partition at one step, for one user: see `users`."""
 
     spans: Spans
     ends: tuple[str, ...]
     step: int
+    user: bytes = b""
 
     @property
     def places(self) -> tuple[Place, ...]:
         """Each end at this step."""
-        return tuple(Place(self.spans, end, self.step) for end in self.ends)
+        return tuple(Place(self.spans, end, self.step, self._at(end)) for end in self.ends)
+
+    def _at(self, end: str) -> bytes:
+        """The user of one end's columns: the same table between others is another user."""
+        return b"|".join([self.user, *(e.encode() for e in self.ends if e != end)])
 
     def key(self, what: str) -> tuple[object, ...]:
         """Memo key of something made for this link."""
-        return ("tables", what, self.spans.key, self.ends, self.step)
+        return ("tables", what, self.spans.key, self.ends, self.step, self.user)
 
     def name(self, what: str) -> str:
         """Name of a block made for this link."""
@@ -56,9 +61,9 @@ class Ends:
     names: tuple[str, ...]
     swapped: bool
 
-    def at(self, step: int) -> Link:
-        """The link at a step."""
-        return Link(self.spans, self.names, step)
+    def at(self, step: int, user: bytes = b"") -> Link:
+        """The link at a step, for a user."""
+        return Link(self.spans, self.names, step, user)
 
     def table(self, values: ArrayLike) -> Floats:
         """A table (n,) * moving ends in canonical order. Raises TableError on any other shape."""

@@ -100,7 +100,7 @@ def _big_m_rows(
 
 def _numbers(ctx: Context, place: Place, how: Literal) -> tuple[int, int, int]:
     """Column of r for an agent at a step, and the smallest and largest cell number it takes."""
-    key = place.key(how.name)
+    key = place.key(how.name)  # every user has numbers of its own
     if key not in ctx.memo:
         shape, origin, width = uniform(place.spans)
         low, high = np.array([1, 1]), np.array(shape)

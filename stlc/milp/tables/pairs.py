@@ -20,6 +20,7 @@ from stlc.milp.layout import PairColumns
 from stlc.milp.tables.cells import cell_columns, marginals
 from stlc.milp.tables.link import Link
 from stlc.milp.tables.simplex import Kind, join
+from stlc.milp.tables.users import COST, turn_of
 
 
 def pair_columns(ctx: Context, link: Link, kind: Kind) -> Ints:
@@ -31,15 +32,6 @@ def pair_columns(ctx: Context, link: Link, kind: Kind) -> Ints:
         ctx.memo[key] = _pair_columns(ctx, link, kind)
     found: Ints = ctx.memo[key]
     return found
-
-
-def existing_pair_columns(ctx: Context, link: Link) -> Ints | None:
-    """Pair columns that some encoding has already made for this link, if any."""
-    for kind in Kind:
-        found: Ints | None = ctx.memo.get(link.key(f"pairs.{kind.value}"))
-        if found is not None:
-            return found
-    return None
 
 
 def _pair_columns(ctx: Context, link: Link, kind: Kind) -> Ints:
@@ -54,7 +46,10 @@ def _pair_columns(ctx: Context, link: Link, kind: Kind) -> Ints:
             join(ctx.builder, name, spread, cols.ravel(), group.simplex)
     first, second = (place.reach(ctx).cells for place in link.places)
     ends = (link.ends[0], link.ends[1])
-    receipt = PairColumns(ends, link.step, link.spans.key, (first, second), cols)
+    later = not link.user.startswith(COST)
+    beside = tuple(later or turn_of(ctx, place, kind) > 0 for place in link.places)
+    cells = (first, second)
+    receipt = PairColumns(ends, link.step, link.spans.key, cells, cols, (beside[0], beside[1]))
     ctx.layout.pairs.append(receipt)
     return cols
 

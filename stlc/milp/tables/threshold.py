@@ -10,11 +10,11 @@ over the ordered axis binaries b (see `boxes`). At integer b only boxes that hol
 occupied cells keep y_k > 0, so z = 1 needs an allowed cell (pair). K columns and one binary; rows
 at most 1 + 2 (binaries of the axes), however many cell pairs are allowed. K = 1 needs no y.
 
-When no small cover is found, or the pair columns lambda of a link cost are there already:
+When no small cover is found, with pair columns lambda:
 
     z <= sum {lambda_ij : (i, j) allowed}      (or z + sum {lambda_ij : not allowed} <= 1)
 
-one binary and one row, plus the pair columns if they are new. Nothing allowed fixes z = 0;
+one binary and one row, plus the pair columns. Nothing allowed fixes z = 0;
 everything allowed leaves z free.
 """
 
@@ -30,7 +30,7 @@ from stlc.milp.tables.boxes import join_boxes
 from stlc.milp.tables.cells import ordered_axes
 from stlc.milp.tables.cover import clipped, cover
 from stlc.milp.tables.link import Link
-from stlc.milp.tables.pairs import existing_pair_columns, pair_columns
+from stlc.milp.tables.pairs import pair_columns
 from stlc.milp.tables.simplex import Kind
 from stlc.milp.tables.spans import Spans
 
@@ -54,14 +54,11 @@ def _literal(ctx: Context, link: Link, allowed: Bools) -> int:
     column = _column(ctx, link, float(seen.any()))
     if seen.all() or not seen.any():
         return column
-    pairs = existing_pair_columns(ctx, link)
-    if pairs is None:
-        boxes = index_boxes(ctx, link, allowed)
-        if boxes is not None:
-            _by_boxes(ctx, link, column, boxes)
-            return column
-        pairs = pair_columns(ctx, link, Kind.ORDERED)
-    _by_pairs(ctx, link, column, pairs, seen)
+    boxes = index_boxes(ctx, link, allowed)
+    if boxes is not None:
+        _by_boxes(ctx, link, column, boxes)
+        return column
+    _by_pairs(ctx, link, column, pair_columns(ctx, link, Kind.ORDERED), seen)
     return column
 
 

@@ -105,10 +105,12 @@ class Tightener:
         return True
 
     def _fix(self, node: Node, reduced: Floats, slack: float) -> None:
-        """Drop cell pairs whose column costs too much to be 1."""
+        """Drop cell pairs whose column costs too much to be 1, where columns tell the state."""
         assert node.pairs is not None
         assert node.masks is not None
         for block in self.frame.blocks.get((0, 1), ()):
+            if any(block.beside):
+                continue
             excluded = reduced[block.columns] > slack + MARGIN
             node.pairs[block.step][np.ix_(*block.cells)] &= ~excluded
         alive = [node.masks[0]]

@@ -15,12 +15,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from stlc.analysis.ranges import Ranges
-from stlc.arrays import Bools, Floats, Ints
+from stlc.arrays import Bools, Floats
 from stlc.ir.nodes import And, Linear, Link, Node, Not, Or, Role
 from stlc.milp.compile import Compiled
 from stlc.mission import Agent, Channel, Dynamics, ObjectiveTerm, TermKind
 from stlc.radio.partition import Partition
 from stlc.scales import static_range, steps_of
+from stlc.solve.relaxation.costs import Costs
 from stlc.solve.relaxation.problem import Apart, Axis, Body, Place, Problem
 
 _ANY = np.array([[-np.inf, np.inf], [-np.inf, np.inf]])
@@ -72,7 +73,7 @@ def _with_costs(
     mission, partition = compiled.mission, channel.partition
     fine, owner = partition.common_grid()
     assert fine.edges is not None
-    costs, rest = _Costs([b.name for b in bodies], owner, mission.horizon), 0.0
+    costs, rest = Costs([b.name for b in bodies], partition, mission.horizon), 0.0
     for term in links:
         assert term.channel is not None
         other, steps = mission.channels[term.channel], steps_of(mission, term)[0]
@@ -89,7 +90,7 @@ def _with_costs(
     for link in asked:
         other, at = mission.channels[link.channel], range(link.step, link.step + 1)
         if np.array_equal(other.partition.boxes, partition.boxes):
-            costs.add(link.pair, np.where(link.allowed, 0.0, forbidding), at)
+            costs.add(link.pair, np.where(link.allowed, 0.0, forbidding), at, proof=bool(links))
     key = np.ascontiguousarray(partition.boxes, dtype=np.float64).tobytes()
     return Problem(
         mission.horizon, fine.edges, tuple(bodies),
@@ -107,32 +108,6 @@ def _forbidding(compiled: Compiled) -> float:
     return min(most, 1e9)
 
 
-class _Costs:
-    """Link costs by pair, or agent alone, and step, on the common grid."""
-
-    def __init__(self, names: Sequence[str], owner: Ints, horizon: int) -> None:
-        self.index = {name: i for i, name in enumerate(names)}
-        self.owner, self.horizon = owner, horizon
-        self.pairs: dict[tuple[int, int], list[Floats | None]] = {}
-        self.alone: list[list[Floats | None]] = [[None] * (horizon + 1) for _ in names]
-
-    def add(self, pair: tuple[str, str], table: Floats, steps: range) -> bool:
-        """Count a table over the partition's cells at some steps; False where no end is known."""
-        ends = [self.index[n] for n in pair if n in self.index]
-        if not ends or len(ends) < table.ndim:
-            return False
-        table = _on_fine(table, self.owner)
-        if len(ends) == 2 and ends[0] > ends[1]:
-            ends, table = ends[::-1], table.T
-        into = self.alone[ends[0]]
-        if len(ends) == 2:
-            into = self.pairs.setdefault((ends[0], ends[1]), [None] * (self.horizon + 1))
-        for t in steps:
-            known = into[t]
-            into[t] = table if known is None else known + table
-        return True
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class _Asked:
     """A link that must hold at a step: cells (pairs) that are allowed, one axis a moving end."""
@@ -144,13 +119,7 @@ class _Asked:
 
 
 def _asked_links(compiled: Compiled) -> Iterator[_Asked]:
-    """Link predicates that are required as they stand.
-
-    At a border their cell is that of the costs only if both use the same columns, so they are
-    left out for encodings of the costs that bring their own.
-    """
-    if compiled.link not in ("auto", "unary", "lifted"):
-        return
+    """Link predicates that are required as they stand."""
     for one in compiled.layout.encoded:
         parts = one.formula.args if isinstance(one.formula, And) else (one.formula,)
         for node in () if one.level.goals else parts:
@@ -162,11 +131,6 @@ def _asked_links(compiled: Compiled) -> Iterator[_Asked]:
             allowed = robustness >= one.level.margin - 1e-9
             if link.shift >= 1 and allowed.any():
                 yield _Asked(link.channel, (link.sender, link.receiver), link.shift, allowed)
-
-
-def _on_fine(table: Floats, owner: Ints) -> Floats:
-    cells = np.maximum(owner, 0)
-    return table[np.ix_(*[cells] * table.ndim)] if table.ndim else table
 
 
 def _body(compiled: Compiled, agent: Agent, efforts: Sequence[ObjectiveTerm]) -> Body | None:

@@ -15,6 +15,7 @@ import numpy as np
 from stlc.arrays import Bools, Floats, Ints
 from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
+from stlc.solve.relaxation.costs import Touching
 from stlc.solve.relaxation.problem import Problem
 from stlc.solve.restricted.free_choices import fix_free_choices, groups_of
 from stlc.solve.states.layers import Layer
@@ -40,11 +41,15 @@ class Reduced:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PairBlock:
-    """Pair columns (k, l) at a step: of `cells` of both bodies, numbered as the problem's."""
+    """Pair columns (k, l) at a step: of `cells` of both bodies, numbered as the problem's.
+
+    `beside`: ends whose cell may be another than the state's, on a border.
+    """
 
     step: int
     cells: tuple[Ints, Ints]
     columns: Ints
+    beside: tuple[bool, bool]
 
 
 class Frame:
@@ -54,6 +59,7 @@ class Frame:
         self.compiled, self.problem, self.model = compiled, problem, compiled.model
         self._csc = compiled.model.A.tocsc()
         self.blocks = self._pair_blocks()
+        self._touching = Touching.of(np.frombuffer(problem.key).reshape(-1, 4))
         self._groups = groups_of(compiled, self._csc)
         self.dynamics = [compiled.layout.dynamics[b.name] for b in problem.bodies]
 
@@ -64,10 +70,10 @@ class Frame:
             if made.partition != self.problem.key or any(e not in index for e in made.ends):
                 continue
             ends = (index[made.ends[0]], index[made.ends[1]])
-            cells, columns = made.cells, made.columns
+            cells, columns, beside = made.cells, made.columns, made.beside
             if ends[0] > ends[1]:
-                ends, cells, columns = ends[::-1], cells[::-1], columns.T
-            found.setdefault(ends, []).append(PairBlock(made.step, cells, columns))
+                ends, cells, columns, beside = ends[::-1], cells[::-1], columns.T, beside[::-1]
+            found.setdefault(ends, []).append(PairBlock(made.step, cells, columns, beside))
         return {k: tuple(v) for k, v in found.items()}
 
     def bounds(self) -> tuple[Floats, Floats]:
@@ -94,6 +100,8 @@ class Frame:
         """Rule out pair columns; alive[t] is (n, n) over the problem's cells, for t = 0..T."""
         for block in self.blocks.get(pair, ()):
             live = self._on_partition(alive[block.step])
+            if any(block.beside):
+                live = self._touching.around(live, block.beside)
             dead = ~live[np.ix_(*block.cells)]
             upper[block.columns[dead]] = 0.0
 

@@ -169,13 +169,15 @@ class Session:
         return np.array([[low, high, -np.inf, np.inf] for low, high in ends])
 
     def _occupied(self) -> list[list[Bools]]:
-        """For each agent and step the cells the incumbent counts as being in."""
+        """For each agent and step the cells the incumbent counts as being in, or touches."""
         assert self.x is not None
         cells = [self._close(path, _TOUCH) for path in self.paths()]
         for pair, blocks in self.frame.blocks.items():
             for block in blocks:
                 share = self.x[block.columns]
                 for end, i in enumerate(pair):
+                    if block.beside[end]:
+                        continue
                     own = block.cells[end][int(np.argmax(share.sum(1 - end)))]
                     cells[i][block.step] = self.problem.owner == own
         return cells

@@ -1,0 +1,56 @@
+"""Tables at cell borders: small missions from text, in every encoding and by the link search."""
+
+import pytest
+
+from stlc import Mission
+from stlc.milp.compile import CompileOptions
+from stlc.milp.tables import ENCODINGS
+from stlc.solve.driver import SolveSettings, solve_mission
+
+HEAD = """
+horizon 1
+workspace box [0, 4] x [0, 2]
+agent r : single_integrator { start (1, 1); control |u| <= 1; integer }
+station base at (0, 1)
+"""
+PREDICATES = (
+    HEAD
+    + """
+channel c {
+  path_loss L0 = -40 dBm, n = 3; fading 1 dB^2, shadowing 1 dB^2, length 2 m
+  partition 2 x 1; bound centre
+}
+require a: eventually[1] (r.x >= 2 m and rssi(r, base) >= -45 dBm)
+require b: eventually[1] rssi(r, base) <= -50 dBm
+minimize effort
+"""
+)
+COST = (
+    HEAD
+    + """
+channel c {
+  path_loss L0 = -40 dBm, n = 3; fading 1 dB^2, shadowing 1 dB^2, length 2 m
+  partition 2 x 1; bound centre; noise_floor -90 dBm; cost neg_rssi; cost_bound centre
+}
+require a: eventually[1] (r.x >= 2 m and rssi(r, base) <= -50 dBm)
+minimize link_cost(c, (r, base))
+"""
+)
+EVERY = ["auto", *ENCODINGS]
+
+
+def objective(text: str, encoding: str) -> float:
+    settings = SolveSettings(compile=CompileOptions(link=encoding))
+    found = solve_mission(Mission.from_text(text), settings).plan.solve.objective
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("encoding", EVERY)
+def test_two_predicates_on_a_border_take_a_cell_each(encoding):
+    assert objective(PREDICATES, encoding) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("encoding", EVERY)
+def test_cost_and_predicate_on_a_border_take_a_cell_each(encoding):
+    assert objective(COST, encoding) == pytest.approx(40.0)
