@@ -2,7 +2,7 @@
 
 import pytest
 
-from stlc import Mission
+from stlc.api import loads
 from stlc.milp.compile import CompileOptions
 from stlc.milp.tables import ENCODINGS
 from stlc.solve.driver import SolveSettings, solve_mission
@@ -41,7 +41,7 @@ EVERY = ["auto", *ENCODINGS]
 
 def objective(text: str, encoding: str) -> float:
     settings = SolveSettings(compile=CompileOptions(link=encoding))
-    found = solve_mission(Mission.from_text(text), settings).plan.solve.objective
+    found = solve_mission(loads(text), settings).plan.solve.objective
     assert found is not None
     return found
 
