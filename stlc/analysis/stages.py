@@ -23,6 +23,7 @@ from stlc.analysis.ranges import Ranges
 from stlc.arrays import Bools, Floats
 from stlc.ir.nodes import And, Linear, Node, Or, Role
 from stlc.ir.requirement import Requirement
+from stlc.ir.rewrite import conjuncts
 from stlc.mission import Agent, Mission
 
 LevelOf = Callable[[str], float]
@@ -97,9 +98,9 @@ def box_of(
     return low, high
 
 
-def conjuncts(node: Node) -> list[Linear] | None:
+def conjoined_predicates(node: Node) -> list[Linear] | None:
     """Predicates of a conjunction (or of one predicate); None for anything else."""
-    parts = node.args if isinstance(node, And) else (node,)
+    parts = conjuncts(node)
     return [p for p in parts if isinstance(p, Linear)] if _all_linear(parts) else None
 
 
@@ -121,7 +122,7 @@ def find_stages(
     """
     chosen: dict[tuple[str, int], tuple[Or, LevelOf]] = {}
     for requirement in requirements:
-        for node in _asserted(requirement.formula):
+        for node in conjuncts(requirement.formula):
             place = single_place(node) if _is_stage(node) else None
             if place is None:
                 continue
@@ -146,11 +147,7 @@ def level_at(requirement: Requirement, target: tuple[Goal, float] | None) -> Lev
 def _is_stage(node: Node) -> bool:
     if not isinstance(node, Or) or len(node.args) > _MOST:
         return False
-    return all(conjuncts(a) is not None for a in node.args)
-
-
-def _asserted(root: Node) -> Sequence[Node]:
-    return root.args if isinstance(root, And) else (root,)
+    return all(conjoined_predicates(a) is not None for a in node.args)
 
 
 def _stages(
@@ -162,7 +159,7 @@ def _stages(
             found.append(Stage(None, low[None].copy(), high[None].copy()))
             continue
         node, level = chosen[agent.name, t]
-        boxes = [box_of(conjuncts(a) or [], level, low, high) for a in node.args]
+        boxes = [box_of(conjoined_predicates(a) or [], level, low, high) for a in node.args]
         found.append(Stage(node, np.array([b[0] for b in boxes]), np.array([b[1] for b in boxes])))
     return found
 

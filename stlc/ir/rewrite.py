@@ -59,3 +59,8 @@ def rewrite(roots: Sequence[Node], visit: Callable[[Node], Node]) -> tuple[Node,
     for node in postorder(roots):
         done[node] = visit(with_children(node, [done[c] for c in node.children]))
     return tuple(done[root] for root in roots)
+
+
+def conjuncts(node: Node) -> tuple[Node, ...]:
+    """What has to hold together: the arguments of a conjunction, anything else alone."""
+    return node.args if isinstance(node, And) else (node,)

@@ -21,6 +21,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from stlc.ir.nodes import And, Linear, Node, Or, Terms
+from stlc.ir.rewrite import conjuncts
 from stlc.ir.verify import Stage
 from stlc.passes.base import Pass, Program
 from stlc.source import Span
@@ -61,7 +62,7 @@ def _place(node: Node) -> _Place | None:
         return None
     places: set[_Place] = set()
     for alternative in node.args:
-        atoms = alternative.args if isinstance(alternative, And) else (alternative,)
+        atoms = conjuncts(alternative)
         for atom in atoms:
             if not isinstance(atom, Linear):
                 return None
@@ -87,7 +88,7 @@ def _multiplied(group: Sequence[Node], margin: float) -> list[Node]:
 
 
 def _terms(node: Node) -> list[_Term]:
-    return [_collapsed(a.args if isinstance(a, And) else (a,)) for a in node.children]
+    return [_collapsed(conjuncts(a)) for a in node.children]
 
 
 def _collapsed(atoms: Sequence[Node]) -> _Term:

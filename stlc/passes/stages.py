@@ -24,6 +24,7 @@ from stlc.analysis.reach import position_ranges, tidy
 from stlc.analysis.stages import LevelOf, Stages, find_stages, level_at, single_place
 from stlc.analysis.unreachable import refuse
 from stlc.ir.nodes import And, Const, Node, Or
+from stlc.ir.rewrite import conjuncts
 from stlc.ir.verify import Stage
 from stlc.passes.base import Pass, Program
 from stlc.passes.fold import fold
@@ -75,7 +76,7 @@ def _attainable(program: Program, goal: Goal, value: float) -> bool:
     return all(
         any(_meets(program, found, level_at(r, target), a) for a in node.children)
         for r in program.requirements
-        for node in (r.formula.children if isinstance(r.formula, And) else (r.formula,))
+        for node in conjuncts(r.formula)
         if isinstance(node, Or) and single_place(node) is None
     )
 

@@ -25,6 +25,7 @@ from stlc.analysis.ranges import Ranges
 from stlc.analysis.stages import LevelOf, single_place
 from stlc.arrays import Bools, Floats
 from stlc.ir.nodes import And, Linear, Node, Or, Role
+from stlc.ir.rewrite import conjuncts
 from stlc.mission import Agent
 from stlc.solve.heuristics.lattice import Axis, axis_lattice, moved, origins
 
@@ -110,7 +111,7 @@ def _lattice_runs(
             level = level_of(one.level)
             for step, nodes in parts_by_step(one.formula, name).items():
                 asserted.setdefault(step, []).extend((n, level) for n in nodes)
-            top = one.formula.args if isinstance(one.formula, And) else (one.formula,)
+            top = conjuncts(one.formula)
             for node in top:
                 found = Witness.of(node.args, name) if isinstance(node, Or) else None
                 if found is not None:

@@ -16,7 +16,8 @@ import numpy as np
 
 from stlc.analysis.ranges import Ranges
 from stlc.arrays import Bools, Floats
-from stlc.ir.nodes import And, Linear, Link, Node, Not, Or, Role
+from stlc.ir.nodes import Linear, Link, Node, Not, Or, Role
+from stlc.ir.rewrite import conjuncts
 from stlc.milp.compile import Compiled
 from stlc.mission import Agent, Channel, Dynamics, ObjectiveTerm, TermKind
 from stlc.radio.partition import Partition
@@ -121,7 +122,7 @@ class _Asked:
 def _asked_links(compiled: Compiled) -> Iterator[_Asked]:
     """Link predicates that are required as they stand."""
     for one in compiled.layout.encoded:
-        parts = one.formula.args if isinstance(one.formula, And) else (one.formula,)
+        parts = conjuncts(one.formula)
         for node in () if one.level.goals else parts:
             link = node.arg if isinstance(node, Not) else node
             if not isinstance(link, Link):
@@ -282,7 +283,7 @@ def _asserted(compiled: Compiled) -> Iterator[tuple[Or, tuple[int, ...], float]]
     for one in compiled.layout.encoded:
         if one.level.goals:
             continue
-        top = one.formula.args if isinstance(one.formula, And) else (one.formula,)
+        top = conjuncts(one.formula)
         known = dict(one.choices)
         for node in top:
             if not isinstance(node, Or):
@@ -302,7 +303,7 @@ def _bounds(
     """
     box, steps = _ANY.copy(), set()
     where = {axis.state: d for d, axis in enumerate(axes)}
-    for atom in node.args if isinstance(node, And) else (node,):
+    for atom in conjuncts(node):
         if not isinstance(atom, Linear) or len(atom.terms) != 1:
             continue
         signal, factor = atom.terms[0]
