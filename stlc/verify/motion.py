@@ -47,6 +47,7 @@ def _worst(
     span: Span | None = None,
 ) -> Iterator[Violation]:
     """At most one violation: the largest of `excess` (steps, width) where it passes `allowed`."""
+    excess = np.where(np.isnan(excess), np.inf, excess)  # infinite on both sides: not as it should
     excess = np.where(excess > allowed, excess, -np.inf)
     if not excess.size or excess.max() == -np.inf:
         return

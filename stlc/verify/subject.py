@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,8 +12,8 @@ from numpy.typing import NDArray
 from stlc.channels import ChannelTables
 from stlc.errors import UsageError
 from stlc.ir.nodes import Role
-from stlc.mission import Mission
-from stlc.plan import Plan, mission_digest
+from stlc.mission import Dynamics, Mission
+from stlc.plan import Plan, Run, mission_digest
 
 Array = NDArray[np.float64]
 
@@ -57,7 +58,7 @@ def _check_shape(mission: Mission, plan: Plan) -> None:
         raise UsageError(f"the plan is for agents {theirs}; the mission has {ours}")
     if plan.horizon != mission.horizon:
         raise UsageError(f"the plan has {plan.horizon} steps; the mission has {mission.horizon}")
-    if abs(plan.step - mission.step) > 1e-12 * mission.step:
+    if not abs(plan.step - mission.step) <= 1e-12 * mission.step:
         raise UsageError(f"the plan's step is {plan.step:g} s; the mission's is {mission.step:g} s")
     for name, agent in mission.agents.items():
         run, (n, m) = plan.runs[name], agent.dynamics.B.shape
@@ -69,6 +70,42 @@ def _check_shape(mission: Mission, plan: Plan) -> None:
             )
         if not (np.isfinite(run.states).all() and np.isfinite(run.inputs).all()):
             raise UsageError(f"the plan holds numbers for {name} that are not finite")
+        _check_labels(name, agent.dynamics, run)
+    _check_claims(plan)
+
+
+def _check_labels(name: str, model: Dynamics, run: Run) -> None:
+    """The columns are those that the mission means, in its order and units."""
+    for what, theirs, ours in (
+        ("states", run.state_names, model.states),
+        ("inputs", run.input_names, model.inputs),
+        ("units of states", run.state_units, model.state_units),
+        ("units of inputs", run.input_units, model.input_units),
+    ):
+        if tuple(theirs) != tuple(ours):
+            raise UsageError(
+                f"the plan's {what} of {name} are {_listed(theirs)}; the mission's are "
+                f"{_listed(ours)}"
+            )
+
+
+def _listed(labels: Sequence[str]) -> str:
+    return "(" + ", ".join(label or "-" for label in labels) + ")"
+
+
+def _check_claims(plan: Plan) -> None:
+    """No claim is NaN; an objective is finite, a bound may be missing (-inf) but not beyond all."""
+    solve = plan.solve
+    for name, value in (("objective", solve.objective), ("bound", solve.bound), ("gap", solve.gap)):
+        if value is not None and math.isnan(value):
+            raise UsageError(f"the plan's {name} is not a number")
+    if solve.objective is not None and not math.isfinite(solve.objective):
+        raise UsageError("the plan's objective is not finite")
+    if solve.bound == math.inf:
+        raise UsageError("the plan's bound is not finite")
+    for item in plan.requirements:
+        if math.isnan(item.margin) or (item.robustness is not None and math.isnan(item.robustness)):
+            raise UsageError(f"the plan's robustness of {item.name} is not a number")
 
 
 def stale(mission: Mission, plan: Plan) -> bool:

@@ -8,7 +8,7 @@ from support.missions import agent, box, mission, roll
 
 from stlc.errors import UsageError
 from stlc.mission import NormBound, PolygonKind, TurnRate
-from stlc.plan import make_plan
+from stlc.plan import RequirementValue, SolveInfo, make_plan
 from stlc.verify import verify
 
 T = 6
@@ -118,3 +118,53 @@ def test_a_plan_of_another_shape_is_refused():
         judged(one, x * np.nan, u)
     with pytest.raises(UsageError, match=r"inputs of shape \(5, 2\)"):
         judged(one, x, u[1:])
+
+
+@pytest.mark.parametrize(
+    ("field", "labels", "message"),
+    [
+        ("state_names", ("py", "px", "vx", "vy"), r"states of r1 are \(py, px, vx, vy\)"),
+        ("input_names", ("ax", "ay"), r"inputs of r1 are \(ax, ay\); the mission's are \(ux, uy\)"),
+        ("state_units", ("m", "m", "km/h", "km/h"), "units of states of r1"),
+        ("input_units", ("", ""), r"units of inputs of r1 are \(-, -\)"),
+    ],
+)
+def test_a_plan_with_other_labels_is_refused(field, labels, message):
+    one = agent("r1", (1, 1))
+    x, u = roll(one, PUSH)
+    there = mission([one], horizon=T)
+    plan = make_plan(there, {"r1": x}, {"r1": u})
+    run = replace(plan.runs["r1"], **{field: labels})
+    with pytest.raises(UsageError, match=message):
+        verify(there, replace(plan, runs={"r1": run}))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"step": float("nan")},
+        {"solve": SolveInfo(objective=float("nan"))},
+        {"solve": SolveInfo(objective=float("inf"))},
+        {"solve": SolveInfo(bound=float("nan"))},
+        {"solve": SolveInfo(bound=float("inf"))},
+        {"solve": SolveInfo(gap=float("nan"))},
+        {"requirements": (RequirementValue("a", float("nan")),)},
+        {"requirements": (RequirementValue("a", 0.0, float("nan")),)},
+    ],
+)
+def test_a_plan_that_claims_no_numbers_is_refused(change):
+    one = agent("r1", (1, 1))
+    x, u = roll(one, PUSH)
+    there = mission([one], horizon=T)
+    plan = replace(make_plan(there, {"r1": x}, {"r1": u}), **change)
+    with pytest.raises(UsageError, match=r"step is nan|not a number|not finite"):
+        verify(there, plan)
+
+
+def test_a_run_that_overflows_is_no_run():
+    one = agent("r1", (1, 1))
+    huge = np.full((T + 1, 4), 1.7e308)
+    huge[0] = one.start
+    with np.errstate(all="ignore"):
+        found = kinds(judged(one, huge, np.full((T, 2), -1.7e308)))
+    assert "dynamics" in {kind for kind, _ in found}
