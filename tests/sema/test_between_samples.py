@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from stlc import Mission
+from stlc.api import loads, solve
 from stlc.bezier import curve
 from stlc.errors import MissionError
 from stlc.ir.nodes import Motion, walk
@@ -102,15 +102,15 @@ require clear: always h outside wall {swept}
 @pytest.mark.parametrize(("times", "swept"), [("", "swept"), ("swept", ""), ("sampled", "swept")])
 def test_unknown_motion_is_refused_unless_it_is_said_to_be_straight(times: str, swept: str) -> None:
     with pytest.raises(MissionError) as caught:
-        Mission.from_text(HOP.format(times=times, word="", swept=swept))
+        loads(HOP.format(times=times, word="", swept=swept))
     assert {d.code for d in caught.value.diagnostics} == {"E0412"}
-    mission = Mission.from_text(HOP.format(times=times, word="straight", swept=swept))
-    outcome = mission.solve()
+    mission = loads(HOP.format(times=times, word="straight", swept=swept))
+    outcome = solve(mission)
     assert any("straight lines, as the mission says" in note for note in outcome.report.notes)
 
 
 def test_sampled_conditions_ask_nothing_of_the_motion() -> None:
-    assert not Mission.from_text(HOP.format(times="", word="", swept="")).workspace_swept
+    assert not loads(HOP.format(times="", word="", swept="")).workspace_swept
 
 
 WORLD = """
@@ -133,11 +133,11 @@ require a: always {formula}
     ],
 )
 def test_the_workspace_follows_what_is_swept(times: str, formula: str, kept: bool) -> None:
-    assert Mission.from_text(WORLD.format(times=times, formula=formula)).workspace_swept == kept
+    assert loads(WORLD.format(times=times, formula=formula)).workspace_swept == kept
 
 
 def test_every_swept_condition_says_what_it_stands_for() -> None:
-    mission = Mission.from_text(WORLD.format(times="", formula="(r.x + r.y <= 3 m) swept"))
+    mission = loads(WORLD.format(times="", formula="(r.x + r.y <= 3 m) swept"))
     claims = [n.swept for r in mission.requirements for n in walk(r.formula) if n.swept]
     assert [claim.motion for claim in claims] == [Motion.CONDITION]
     assert claims[0].condition is not None
