@@ -49,9 +49,13 @@ class InfeasibleError(StlcError):
 
 
 class NoPlanError(StlcError):
-    """The limits were reached with no certified plan in hand."""
+    """The limits were reached with no certified plan in hand; no plan costs less than `bound`."""
 
     exit_status = 4
+
+    def __init__(self, message: str, bound: float | None = None) -> None:
+        self.bound = bound
+        super().__init__(message)
 
 
 class InterruptedSolveError(NoPlanError):

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 def to_json(plan: Plan) -> str:
     """The plan as one JSON object with a line for each row of numbers."""
-    return _layout(
+    return layout(
         {
             "format": "stlc plan",
             "version": FORMAT_VERSION,
@@ -30,14 +30,14 @@ def to_json(plan: Plan) -> str:
             "sha256": plan.sha256,
             "step": plan.step,
             "horizon": plan.horizon,
-            "solve": _plain(asdict(plan.solve)),
+            "solve": plain(asdict(plan.solve)),
             "requirements": [
                 {"name": r.name, "robustness": _number(r.robustness), "margin": r.margin}
                 for r in plan.requirements
             ],
             "agents": {name: _run(run) for name, run in plan.runs.items()},
             "links": [_link(series) for series in plan.links],
-            "certificate": _plain(plan.certificate),
+            "certificate": plain(plan.certificate),
         }
     )
 
@@ -65,26 +65,27 @@ def _number(value: Any) -> Any:
     return None if math.isnan(value) else str(value)
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """A value as JSON holds it: infinities as "inf" and "-inf", NaN as null."""
     match value:
         case Mapping():
-            return {str(k): _plain(v) for k, v in value.items()}
+            return {str(k): plain(v) for k, v in value.items()}
         case list() | tuple():
-            return [_plain(v) for v in value]
+            return [plain(v) for v in value]
         case np.generic():
             return _number(value.item())
         case _:
             return _number(value)
 
 
-def _layout(value: Any, indent: str = "") -> str:
+def layout(value: Any, indent: str = "") -> str:
     """Indented JSON whose lists of plain values stay on one line."""
     inner = indent + "  "
     if isinstance(value, dict) and value:
-        items = [f"{inner}{json.dumps(k)}: {_layout(v, inner)}" for k, v in value.items()]
+        items = [f"{inner}{json.dumps(k)}: {layout(v, inner)}" for k, v in value.items()]
         body, ends = ",\n".join(items), "{}"
     elif isinstance(value, list) and any(isinstance(v, list | dict) for v in value):
-        body, ends = ",\n".join(inner + _layout(v, inner) for v in value), "[]"
+        body, ends = ",\n".join(inner + layout(v, inner) for v in value), "[]"
     else:
         return json.dumps(value, allow_nan=False)
     last = "" if indent else "\n"

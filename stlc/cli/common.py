@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
+from stlc.cli.answer import answer_end, one_answer
 from stlc.cli.interrupt import INTERRUPTED
-from stlc.errors import MissionError, StlcError
+from stlc.errors import MissionError, OutputError, StlcError
 from stlc.inputs import recorded_inputs
 
 if TYPE_CHECKING:
@@ -26,28 +27,41 @@ INTERNAL = 70
 
 def run_guarded(command: click.Command) -> int:
     """Run a click command; every outcome becomes an exit status, nothing a traceback."""
-    try:
-        with recorded_inputs():
+    with one_answer(), recorded_inputs():
+        try:
             result = command.main(standalone_mode=False, prog_name="stlc")
-    except click.exceptions.Abort:
-        return INTERRUPTED
-    except click.ClickException as error:
-        error.show()
-        return error.exit_code
-    except MissionError as error:
-        show_diagnostics(error.diagnostics)
-        return error.exit_status
-    except StlcError as error:
-        complain(str(error))
-        return error.exit_status
-    except KeyboardInterrupt:
-        return INTERRUPTED
-    except Exception as error:  # the last line of defence: a bug of ours, said so
-        return _confess(error)
+        except (Exception, KeyboardInterrupt) as error:
+            status = _told(error)
+            with suppress(OutputError):  # what is wrong with standard output was told
+                answer_end(status, _message(error))
+            return status
     return result if isinstance(result, int) else 0
 
 
-def _confess(error: Exception) -> int:
+def _told(error: BaseException) -> int:
+    """Say on standard error how a command ended; its exit status."""
+    match error:
+        case click.exceptions.Abort() | KeyboardInterrupt():
+            return INTERRUPTED
+        case click.ClickException():
+            error.show()
+            return error.exit_code
+        case MissionError():
+            show_diagnostics(error.diagnostics)
+        case StlcError():
+            complain(str(error))
+        case _:  # the last line of defence: a bug of ours, said so
+            return _confess(error)
+    return error.exit_status
+
+
+def _message(error: BaseException) -> BaseException | str:
+    if isinstance(error, click.exceptions.Abort | KeyboardInterrupt):
+        return "interrupted"
+    return error.format_message() if isinstance(error, click.ClickException) else error
+
+
+def _confess(error: BaseException) -> int:
     if os.environ.get("STLC_DEBUG"):
         raise error
     complain(

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import json
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from stlc.cli.answer import answer
 from stlc.cli.common import check_outputs, compiled_model, load, mission_options
 
 if TYPE_CHECKING:
@@ -55,14 +56,16 @@ def compile_command(
 
     mission = load(file, define, allow_path)
     check_outputs(output)
-    compiled = compiled_model(mission, compile_options(encoding, disable, print_after, _show))
+    compiled = compiled_model(
+        mission, compile_options(encoding, disable, print_after, partial(_show, as_json))
+    )
     if output is not None:
         from stlc.milp.writers import write_model
 
         write_model(compiled.model, output)
         _report(compiled.model, output, quiet=as_json)
     if as_json:
-        click.echo(json.dumps(statistics(compiled), indent=2))
+        answer(statistics(compiled))
     elif stats:
         click.echo(statistics_text(statistics(compiled)))
     if verbose:
@@ -71,8 +74,8 @@ def compile_command(
     return 0
 
 
-def _show(name: str, text: str) -> None:
-    click.echo(f"; after {name}\n{text}")
+def _show(quiet: bool, name: str, text: str) -> None:
+    click.echo(f"; after {name}\n{text}", err=quiet)
 
 
 def _report(model: Model, output: Path, quiet: bool) -> None:

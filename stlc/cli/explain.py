@@ -70,8 +70,9 @@ def explain_mission(mission: Mission, backend: str, time_limit: float) -> int:
     raise NoPlanError(f"not decided within {time_limit:g} s")
 
 
-def show_conflict(mission: Mission, backend: str, seconds: float, told: str) -> None:
+def show_conflict(mission: Mission, backend: str, seconds: float, told: str) -> list[str]:
     """Print what conflicts in a mission that is proven infeasible, as found within `seconds`.
+    Returns the names of its clauses.
 
     `told` is what the person has read of the proof already.
     """
@@ -81,8 +82,10 @@ def show_conflict(mission: Mission, backend: str, seconds: float, told: str) -> 
     result = explain(
         mission, backend=backend, time_limit=limit, total=seconds, proven=True, grace=_GRACE
     )
-    if not isinstance(result, Verdict):
-        _show(result, told)
+    if isinstance(result, Verdict):
+        return []
+    _show(result, told)
+    return [clause.name for clause in result.clauses]
 
 
 def _show(conflict: Conflict, told: str = "") -> None:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 
 import click
 
+from stlc.cli.answer import answer
 from stlc.errors import UsageError
 from stlc.files import check_writable
 
@@ -72,7 +72,7 @@ def fit_command(
     summary = fit_csv(samples, options, reading, held_back, share)
     if output is not None:
         plot_summary(summary, output)
-    click.echo(json.dumps(summary.as_dict(), indent=2) if as_json else format_summary(summary))
+    answer(summary.as_dict()) if as_json else click.echo(format_summary(summary))
     return 0
 
 

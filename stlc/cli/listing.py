@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import json
-
 import click
 
+from stlc.cli.answer import answer
 from stlc.errors import SolverError
 
 
@@ -17,7 +16,7 @@ def backends_command(as_json: bool) -> int:
 
     rows = [_describe(name) for name in backends.names()]
     if as_json:
-        click.echo(json.dumps({"backends": rows}, indent=2))
+        answer({"backends": rows})
         return 0
     for row in rows:
         state = row["version"] or f"missing: {row['missing']}"
@@ -54,7 +53,7 @@ def encodings_command(as_json: bool) -> int:
 
     rows = describe_encodings()
     if as_json:
-        click.echo(json.dumps({"encodings": rows}, indent=2))
+        answer({"encodings": rows})
         return 0
     for row in rows:
         click.echo(f"{row['kind']:8} {row['name']:14} {row['summary']}")

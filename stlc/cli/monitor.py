@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from stlc.cli.answer import answer
 from stlc.cli.common import load, mission_options, plain, show_diagnostics
 from stlc.errors import StlcError, UsageError
 from stlc.inputs import MOST_BYTES
@@ -104,8 +105,6 @@ def monitor_command(
     signal; agents' signals are `agent.name`. Exit status 0 if all hold, 6 if one is violated, 1
     for a bad file or a recording too short.
     """
-    import json
-
     from stlc.files import write_atomic
 
     mission = load(file, define, allow_path)
@@ -118,7 +117,7 @@ def monitor_command(
     if as_json:
         found = {"at": float(report.times[row]), **report.as_dict(parts=by_subformula)}
         found["satisfied"] = _status(report, row) == 0
-        click.echo(json.dumps(found, allow_nan=False))
+        answer(found)
     else:
         click.echo(_table(report, row, by_subformula))
     return _status(report, row)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
 
+from stlc.cli.answer import answer
 from stlc.cli.common import check_outputs, compiled_model, load, mission_options
 from stlc.errors import ViolationError
 
@@ -26,7 +26,7 @@ def verify_command(
     from stlc.verify import verify
 
     report = verify(load(file, define, allow_path), read_plan(plan))
-    click.echo(json.dumps(report.as_dict(), indent=2) if as_json else report.text())
+    answer(report.as_dict()) if as_json else click.echo(report.text())
     return 0 if report.ok else ViolationError.exit_status
 
 

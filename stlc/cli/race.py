@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from stlc.cli.answer import answer
 from stlc.cli.common import (
     check_outputs,
     complain,
@@ -60,7 +60,7 @@ def race_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, ..
     with interruptible() as stop:
         race = MissionRace(mission, compiled, racers, tell, words["output"], words["cluster"])
         result = race.run(stop)
-    click.echo(json.dumps(_as_dict(result), indent=2) if words["as_json"] else _summary(result))
+    answer(_as_dict(result)) if words["as_json"] else click.echo(_summary(result))
     if result.refused is not None:
         complain(result.refused)
         return SolverError.exit_status

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from stlc.cli.answer import answer, answer_end
 from stlc.cli.common import (
     check_outputs,
     complain,
@@ -73,9 +73,9 @@ def solve_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, .
                 raise
             complain(str(error))
             return _explain(mission, settings, tell, str(error))
-    click.echo(json.dumps(outcome.as_dict(), indent=2) if words["as_json"] else _summary(outcome))
     if words["csv_path"]:
         outcome.plan.write_csv(words["csv_path"])
+    answer(outcome.as_dict()) if words["as_json"] else click.echo(_summary(outcome))
     if outcome.refused is not None:
         complain(outcome.refused)
         return SolverError.exit_status
@@ -94,7 +94,8 @@ def _explain(mission: Mission, settings: SolveSettings, tell: Listener, told: st
     from stlc.solve.events import StatusEvent
 
     tell(StatusEvent("explain", "looking for the requirements that conflict"))
-    show_conflict(mission, settings.backend, _EXPLAIN, told)
+    clauses = show_conflict(mission, settings.backend, _EXPLAIN, told)
+    answer_end(InfeasibleError.exit_status, told, conflict=clauses)
     return InfeasibleError.exit_status
 
 

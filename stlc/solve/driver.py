@@ -102,6 +102,7 @@ class Outcome:
             "nonzeros": m.nonzeros,
             "nodes": self.solution.nodes,
             "seconds": self.seconds,
+            "certified": bool(self.plan.certificate),
             "verified": self.report.ok,
             "notes": list(self.report.notes),
             "robustness": {r.name: r.robustness for r in self.plan.requirements},
@@ -254,11 +255,13 @@ class _Job:
         if self._stopped:
             self.listen(StatusEvent("stop", "interrupted"))
         if standing is None:
-            bound = _bound_text(self.incumbent.bound)
+            bound = self.incumbent.bound
+            text = _bound_text(bound)
             if self._stopped:
-                raise InterruptedSolveError(f"interrupted before a plan was found{bound}")
-            raise NoPlanError(_no_plan(self.settings, self.backend.version(), self.incumbent.bound))
+                raise InterruptedSolveError(f"interrupted before a plan was found{text}", bound)
+            raise NoPlanError(_no_plan(self.settings, self.backend.version(), bound), bound)
         plan, report, solution = standing
+        took = {**took, "verify": self.incumbent.judged}
         plan = replace(plan, solve=replace(plan.solve, seconds=took))
         return self._hand_over(Outcome(plan, report, self.compiled, solution, took))
 
@@ -268,7 +271,8 @@ class _Job:
             case Status.INFEASIBLE:
                 return self._doubt(solution, seconds)
             case Status.NO_SOLUTION:
-                raise NoPlanError(_no_plan(self.settings, solution.solver_version, solution.bound))
+                bound = solution.bound
+                raise NoPlanError(_no_plan(self.settings, solution.solver_version, bound), bound)
             case Status.UNBOUNDED | Status.FAILED:
                 text = f"{solution.solver_version} ended with '{solution.status.value}'"
                 raise SolverError(f"{text}: {solution.message}" if solution.message else text)

@@ -37,6 +37,7 @@ class Incumbent:
     plan: Plan | None = None
     report: Report | None = None
     claim: Solution | None = None
+    judged: float = 0.0  # s that certifying and verifying the best plan took
     _complained: bool = False
 
     def raise_bound(self, bound: float | None) -> None:
@@ -53,12 +54,14 @@ class Incumbent:
             Status.FEASIBLE, x, objective, self._sound(objective), seconds=seconds,
             solver=self.solver, solver_version=self.version,
         )  # fmt: skip
+        began = time.perf_counter()
         try:
             plan, report = self.judge(claim)
         except SolverError:
             return  # refused by certification: simply not kept; the final answer is judged aloud
         if not report.ok:
             return
+        self.judged = time.perf_counter() - began
         self.objective, self.plan, self.report, self.claim = objective, plan, report, claim
         saved = self._save(plan)
         self.listen(SolutionEvent(seconds, objective, str(self.save_to) if saved else None))
