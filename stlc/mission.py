@@ -289,6 +289,7 @@ class Mission:
     signals: tuple[str, ...] = ()  # free signals, for `stlc monitor`
     warnings: tuple[Diagnostic, ...] = ()
     workspace_swept: bool = False
+    params: Mapping[str, str] = field(default_factory=dict)  # what `-D` set, as it was given
 
     def summary(self) -> str:
         """One line: agents, requirements, horizon."""

@@ -77,8 +77,8 @@ class SolveInfo:
 class Plan:
     """A run of the mission's agents over steps 0..horizon, `step` seconds apart.
 
-    `mission` is the file's name and `sha256` the digest of its text. `certificate` holds what
-    certification found (plain JSON values).
+    `mission` is the file's name, `sha256` the digest of its text, `params` what `-D` set.
+    `certificate` holds what certification found (plain JSON values).
     """
 
     mission: str
@@ -90,6 +90,7 @@ class Plan:
     requirements: tuple[RequirementValue, ...] = ()
     links: tuple[LinkSeries, ...] = ()
     certificate: Mapping[str, Any] = field(default_factory=dict)
+    params: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def times(self) -> Array:
@@ -140,7 +141,12 @@ def read_plan(path: str | os.PathLike[str]) -> Plan:
 
 def mission_digest(mission: Mission) -> str:
     """SHA-256 of the mission's text (UTF-8)."""
-    return hashlib.sha256(mission.source.text.encode("utf-8", "surrogatepass")).hexdigest()
+    return text_digest(mission.source.text)
+
+
+def text_digest(text: str) -> str:
+    """SHA-256 of a text (UTF-8)."""
+    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
 
 
 def make_plan(
@@ -163,7 +169,10 @@ def make_plan(
     }
     digest = mission_digest(mission)
     info = solve or SolveInfo()
-    return Plan(mission.source.name, digest, mission.step, mission.horizon, runs, info)
+    return Plan(
+        mission.source.name, digest, mission.step, mission.horizon, runs, info,
+        params=dict(mission.params),
+    )  # fmt: skip
 
 
 def shifted(plan: Plan, steps: int, agents: Mapping[str, Agent]) -> Plan:

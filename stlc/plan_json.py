@@ -28,6 +28,7 @@ def to_json(plan: Plan) -> str:
             "version": FORMAT_VERSION,
             "mission": plan.mission,
             "sha256": plan.sha256,
+            "params": dict(plan.params),
             "step": plan.step,
             "horizon": plan.horizon,
             "solve": plain(asdict(plan.solve)),
@@ -211,6 +212,7 @@ def _plan(top: _Place) -> Plan:
         tuple(_read_requirement(p) for p in top["requirements"].items()),
         tuple(_read_link(p, length) for p in top["links"].items()),
         {k: p.value for k, p in top["certificate"].fields().items()},
+        {k: p.text() for k, p in top["params"].fields().items()} if top.has("params") else {},
     )
 
 

@@ -25,7 +25,8 @@ def verify_command(
     from stlc.plan import read_plan
     from stlc.verify import verify
 
-    report = verify(load(file, define, allow_path), read_plan(plan))
+    run = read_plan(plan)
+    report = verify(load(file, define, allow_path, run), run)
     answer(report.as_dict()) if as_json else click.echo(report.text())
     return 0 if report.ok else ViolationError.exit_status
 
@@ -47,7 +48,8 @@ def plot_command(
     from stlc.plan import read_plan
     from stlc.plot import plot_plan
 
-    plot_plan(load(file, define, allow_path), read_plan(plan), output)
+    run = read_plan(plan)
+    plot_plan(load(file, define, allow_path, run), run, output)
     return 0
 
 

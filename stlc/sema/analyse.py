@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import TypeVar
 
 from stlc.errors import MissionError
@@ -59,7 +60,7 @@ def analyse(
     mission = _build(file, statements, scope, files)
     if report.errors:
         raise MissionError(report.errors)
-    return mission
+    return replace(mission, params={name: str(value) for name, value in (params or {}).items()})
 
 
 def _of(statements: Iterable[ast.Statement], kind: type[S]) -> list[S]:

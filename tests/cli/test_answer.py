@@ -120,3 +120,18 @@ def test_interrupted_without_a_plan(tmp_path: Path) -> None:
     out, err = process.communicate(timeout=LIMIT)
     assert process.returncode == 130, err
     assert _object(out)["status"] == "interrupted"
+
+
+def test_a_plan_keeps_its_parameters(tmp_path: Path) -> None:
+    """`verify` and `plot` judge it by them, and say where `-D` differs."""
+    text = MISSION.replace("[2, 3] x [1, 2]", "[goal, goal + 1] x [1, 2]")
+    (tmp_path / "m.stl").write_text("param goal = 2 m\n" + text)
+    words = ("solve", "m.stl", "-D", "goal=2.5 m", "-o", "p.json", "--progress", "none")
+    assert stlc(*words, folder=tmp_path).returncode == 0
+    done = stlc("verify", "m.stl", "p.json", folder=tmp_path)
+    assert done.returncode == 0, done.stdout
+    assert "note" not in done.stderr
+    done = stlc("verify", "m.stl", "p.json", "-D", "goal=4", folder=tmp_path)
+    assert done.returncode == 6
+    assert "the plan was made with -D goal=2.5 m; here it is 4" in done.stderr
+    assert stlc("plot", "m.stl", "p.json", "-o", "p.svg", folder=tmp_path).returncode == 0

@@ -315,7 +315,7 @@ def test_names_are_safe_and_unique() -> None:
         b.add_columns(name, shape)
     names = safe_names(b.build())[0]
     assert len(set(names)) == len(names) == 17
-    assert max(map(len, names)) <= 160
+    assert max(map(len, names)) <= 100
     assert all(n[0].isalpha() and n.replace("_", "a").isalnum() for n in names)
     assert not {n.lower() for n in names} & {"st", "free", "end", "inf"}
 
