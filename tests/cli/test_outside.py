@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from support.command import MISSION
 from support.command import inside as stlc
-from support.outside import solvers
+from support.outside import glpk_problem, solvers
 
 from stlc.plan import read_plan
 
@@ -44,3 +44,33 @@ def test_backends_need_no_solver_on_the_path(
     assert gone.returncode == 5
     assert "'cbc' is not on PATH" in gone.stderr
     assert os.environ["PATH"] == str(tmp_path)
+
+
+@pytest.mark.parametrize("kind", ["mps", "lp"])
+def test_every_style_of_solution(kind: str, tmp_path: Path) -> None:
+    """Also those that have numbers for names: readers of LP number columns as they meet them."""
+    import highspy
+    import swiglpk as glpk
+
+    (tmp_path / "m.stl").write_text(MISSION)
+    model = tmp_path / f"m.{kind}"
+    assert stlc("compile", "m.stl", "-o", model, folder=tmp_path).returncode == 0
+    h = highspy.Highs()
+    h.setOptionValue("output_flag", False)
+    h.readModel(str(model))
+    h.run()
+    for style in range(5):
+        h.writeSolution(str(tmp_path / f"highs{style}.sol"), style)
+    problem, how = glpk_problem(model), glpk.glp_iocp()
+    glpk.glp_init_iocp(how)
+    how.presolve = glpk.GLP_ON
+    assert glpk.glp_intopt(problem, how) == 0
+    glpk.glp_print_mip(problem, str(tmp_path / "printed.sol"))
+    glpk.glp_write_mip(problem, str(tmp_path / "raw.sol"))
+    glpk.glp_delete_prob(problem)
+    found = sorted(tmp_path.glob("*.sol"))
+    assert len(found) == 7
+    for solution in found:
+        done = stlc("read-solution", "m.stl", solution, "-o", "p.json", folder=tmp_path)
+        assert done.returncode == 0, (solution, done.stderr)
+        assert read_plan(tmp_path / "p.json").solve.objective == pytest.approx(2 / 7, abs=1e-5)

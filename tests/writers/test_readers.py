@@ -28,6 +28,15 @@ GOOD = {
     "------ ------------    -------------\n     1 x_0                    1.5             0\n"
     "     2 x_1          *              0             0\n     3 n\n"
     "                    *              2             0             9\n\nInteger feasibility\n",
+    "highs, style 1": "Columns\n    Index Status        Lower        Upper       Primal         "
+    "Dual  Type        Name\n"
+    "        0                   0            9          1.5               Continuous  x_0\n"
+    "        1 LB                0            9            0            1  Continuous  x_1\n"
+    "        2                   0            9            2               Integer     n\n"
+    "Rows\n    Index Status        Lower        Upper       Primal         Dual  Name\n",
+    "highs, style 4": "Model status\nOptimal\n\n# Primal solution values\nFeasible\nObjective 3\n"
+    "# Columns -2\nx_0 1.5 0\nn 2 2\n# Rows -1\nr 3 0\n",
+    "miplib": "=obj= 3\nx_0 1.5\nn 2\n",
     "cplex": '<?xml version = "1.0"?>\n<CPLEXSolution>\n'
     '  <variable name="x_0" index="0" value="1.5"/>\n'
     '  <variable name="n" index="2" value="2"/>\n</CPLEXSolution>\n',
@@ -58,6 +67,7 @@ NONE = {
     "cbc that presolved it away": "Status unknown - objective value 0\n 0 x_0 0 0\n",
     "scip": "no solution available\n",
     "glpk": "c Problem: m\ns mip 1 3 u 0\nj 1 0\n",
+    "miplib": "=infeas=\n",
     "glpk printed": "Problem:    m\nStatus:     INTEGER UNDEFINED\n",
 }
 
@@ -66,6 +76,13 @@ NONE = {
 def test_reads(kind: str, tmp_path: Path) -> None:
     path = tmp_path / "s.sol"
     path.write_text(GOOD[kind])
+    assert np.array_equal(read_solution(path, NAMES), [1.5, 0, 2])
+
+
+@pytest.mark.parametrize("kind", GOOD)
+def test_reads_what_windows_made_of_it(kind: str, tmp_path: Path) -> None:
+    path = tmp_path / "s.sol"
+    path.write_bytes(b"\xef\xbb\xbf" + GOOD[kind].replace("\n", "\r\n").encode())
     assert np.array_equal(read_solution(path, NAMES), [1.5, 0, 2])
 
 

@@ -94,7 +94,8 @@ def _reader(lines: list[Line]) -> _Reader:
         if re.match(pattern, head):
             return reader
     raise first.error(
-        "this is none of the solution formats known: HiGHS, CBC, SCIP, GLPK (-o, -w), Gurobi, CPLEX"
+        "this is none of the solution formats known: HiGHS, CBC, SCIP, GLPK (-o, -w), Gurobi, "
+        "CPLEX, MIPLIB"
     )
 
 
@@ -109,11 +110,37 @@ def _highs(lines: list[Line], names: Sequence[str]) -> Pairs:
     primal = _find(lines, r"# Primal solution values")
     if any(line.text.strip() == "None" for line in lines[primal + 1 : primal + 2]):
         raise NoPlanError(f"{lines[0].file}: HiGHS found no solution")
-    at = _find(lines, r"# Columns\s+\d+")
-    count = int(lines[at].text.split()[2])
+    at = _find(lines, r"# Columns\s+-?\d+")
+    count = abs(int(lines[at].text.split()[2]))  # below 0: those that are not 0 alone
     for line in _span(lines, at + 1, count):
         name, value = _fields(line, 2)[:2]
         yield line, name, value
+
+
+def _highs_table(lines: list[Line], names: Sequence[str]) -> Pairs:
+    """HiGHS's table for people: values under the heading `Primal`, the name last."""
+    head = _find(lines, r"\s*Index Status .*\bPrimal\b")
+    end = lines[head].text.index("Primal") + len("Primal")
+    for line in lines[head + 1 :]:
+        if not line.text[:1].isspace():
+            return
+        fields = line.text[:end].split()
+        if len(fields) < 2 or len(line.text.split()) < 5:
+            raise line.error(f"expected a row of the table, found '{line.text.strip()}'")
+        yield line, line.text.split()[-1], fields[-1]
+
+
+def _miplib(lines: list[Line], names: Sequence[str]) -> Pairs:
+    """Solutions of MIPLIB: `=obj= VALUE`, then `NAME VALUE`; or `=infeas=`, `=unbd=`."""
+    for line in lines:
+        match line.text.split():
+            case ["=infeas=" | "=unbd=" as claim, *_]:
+                raise NoPlanError(f"{line.file}: the file says '{claim}'")
+            case [] | ["=obj=", *_]:
+                continue
+            case _:
+                name, value = _fields(line, 2)[:2]
+                yield line, name, value
 
 
 def _span(lines: list[Line], start: int, count: int) -> list[Line]:
@@ -126,7 +153,7 @@ def _find(lines: list[Line], pattern: str) -> int:
     for k, line in enumerate(lines):
         if re.match(pattern, line.text):
             return k
-    wanted = pattern.replace(r"\s+", " ").replace(r"\d+", "N").strip()
+    wanted = pattern.replace(r"\s+", " ").replace(r"-?\d+", "N").replace(r"\d+", "N").strip()
     raise lines[-1].error(f"the file ends without a line '{wanted}'")
 
 
@@ -240,6 +267,8 @@ _GLPK_MARKS = ("*", "B", "NL", "NU", "NF", "NS")
 
 _FORMATS: tuple[tuple[str, _Reader], ...] = (
     (r"Model status", _highs),
+    (r"Columns$", _highs_table),
+    (r"=(obj|infeas|unbd)=", _miplib),
     (r"(Optimal|Infeasible|Integer infeasible|Unbounded|Stopped|Status unknown)\b", _cbc),
     (r"(solution status:|objective value:|no solution available|\[ Final Solution \])", _scip),
     (r"<\?xml", _cplex),

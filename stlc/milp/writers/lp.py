@@ -18,7 +18,7 @@ from stlc.milp.model import Model
 from stlc.milp.writers.form import FileForm, file_form, lines, number_texts
 from stlc.milp.writers.names import Texts
 
-_PER_LINE = 3  # terms: 3 x (160 + 25) characters stay below the limits of all readers
+_PER_LINE = 3  # terms: 3 x (100 + 25) characters stay below the limits of all readers
 _CHUNK = 1 << 15  # rows formatted at a time
 
 
@@ -40,14 +40,11 @@ def lp_chunks(model: Model, columns: Texts, rows: Texts) -> Iterator[bytes]:
 
 
 def _objective(form: FileForm) -> bytes:
-    used = np.flatnonzero(form.c)
-    if not len(used):
-        used = np.zeros(1, dtype=np.int64)
-    label = np.array([b" COST:\n", *[b""] * (len(used) - 1)])
-    tail = np.array([*[b"\n"] * len(used)])
-    return lines(
-        label, b" ", number_texts(form.c[used], signed=True), b" ", form.columns[used], tail
-    )
+    """Every column, those that cost nothing too: readers number them as they meet them, and the
+    solution files of GLPK and HiGHS that have numbers for names then count as the model does."""
+    label = np.array([b" COST:\n", *[b""] * (len(form.c) - 1)])
+    tail = np.array([*[b"\n"] * len(form.c)])
+    return lines(label, b" ", number_texts(form.c, signed=True), b" ", form.columns, tail)
 
 
 def _rows(form: FileForm) -> Iterator[bytes]:

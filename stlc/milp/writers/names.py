@@ -1,4 +1,4 @@
-"""Names that every reader accepts: `[A-Za-z_][A-Za-z0-9_]*`, at most 160 characters, unique."""
+"""Names that every reader accepts: `[A-Za-z_][A-Za-z0-9_]*`, at most 100 characters, unique."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from stlc.milp.model import Block, Model
 
 Texts: TypeAlias = NDArray[np.bytes_]
 
-LONGEST = 160
+LONGEST = 100  # CBC's reader of LP files takes no longer ones
 _FOREIGN = re.compile(r"[^A-Za-z0-9_]")
 # Words of the LP format, exponents (`e5`), and what readers take for a number.
 _RESERVED = re.compile(
@@ -78,7 +78,7 @@ def _indexed(text: bytes, count: int) -> Texts:
 
 
 def _prefix(name: str) -> str:
-    clean = _FOREIGN.sub("_", name)[: LONGEST - 60]  # room for indices and a distinguishing number
+    clean = _FOREIGN.sub("_", name)[: LONGEST - 40]  # room for indices and a distinguishing number
     if not clean or clean[0].isdigit() or _RESERVED.match(clean):
         return f"x_{clean}"
     return clean
