@@ -15,6 +15,7 @@ from stlc.sema import agents, channels, checks, clock, horizon, imports, objecti
 from stlc.sema.costs import is_cost
 from stlc.sema.expressions import evaluate
 from stlc.sema.files import Files
+from stlc.sema.joints import joined
 from stlc.sema.name_errors import NotHere, Redeclared
 from stlc.sema.overrides import overrides
 from stlc.sema.report import Mistake, Report, with_note
@@ -88,7 +89,7 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
     radios = _first(statements, ast.ChannelDecl, scope)
     _each(radios, lambda s: channels.declare(s, scope, files), report)
     _unused_lets(_of(statements, ast.Let), scope)
-    requirements = _requirements(statements, scope)
+    requirements = joined(_requirements(statements, scope), scope)
     terms = _objective(_of(statements, ast.Objective), scope)
     given = _horizon(_single(statements, ast.Horizon, report), scope)
     moves = None if report.errors else next((a.span for a in scope.agents.values()), None)

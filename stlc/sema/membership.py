@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stlc.ir.nodes import And, Motion, Node, Or, Swept, Timed
+from stlc.ir.nodes import And, Const, Motion, Node, Or, Swept, Timed
 from stlc.mission import Polytope, Sweep
 from stlc.sema.compare import at_least_zero
 from stlc.sema.members import point
@@ -105,12 +105,15 @@ def keep(
 ) -> Node:
     """Be within one of the pieces, or out of all, at each step or (`swept`) until the next."""
     join = Or if inside else And
-    cases = []
+    cases: list[Node] = []
     for stay in sweeps:
         parts = tuple(
             half_planes(where, piece, inside, span, _Motion(stay.move, scope) if swept else None)
             for piece in stay.pieces
         )
+        if not parts:
+            cases.append(Const(True, span=span))
+            continue
         cases.append(parts[0] if len(parts) == 1 else join(parts, span=span))
     return cases[0] if len(cases) == 1 else Timed(tuple(cases), span=span)
 

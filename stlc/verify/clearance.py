@@ -82,15 +82,22 @@ def outside(chain: Chain, body: Body, space: Polytope | None = None) -> Extremum
     """
     seen = Meeting(lambda parts, move: keep_out(parts, space, move))
     rows = []
-    for t, (times, places) in enumerate(chain.rows):
+    for t in range(len(chain.rows)):
         stay = body.stay(t)
         if stay is None:
             rows.append(_sampled(chain, body, t))
             continue
-        relative = places - times[:, None] * stay.move
-        rows.append(_clear(times, relative, *seen.of(stay.parts, stay.move)))
+        rows.append(of_step(chain, t, stay.parts, stay.move, seen))
     values, where = np.array(rows).T
     return Extremum(values, where)
+
+
+def of_step(
+    chain: Chain, t: int, parts: Sequence[Any], move: Array, seen: Meeting
+) -> tuple[float, float]:
+    """(distance or minus depth, time) from step t to the next, of polygons that move alike."""
+    times, places = chain.rows[t]
+    return _clear(times, places - times[:, None] * move, *seen.of(parts, move))
 
 
 def inside(chain: Chain, body: Body) -> Extremum:

@@ -20,6 +20,7 @@ from stlc.verify.requirements import SweptOverride, judge, position_findings, re
 from stlc.verify.robustness import Trace
 from stlc.verify.shapes import obstacle_body
 from stlc.verify.subject import Subject, make_subject, stale
+from stlc.verify.together import passages
 from stlc.verify.workspace import workspace_notes, workspace_violations
 
 
@@ -54,6 +55,7 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
         *motion_violations(subject),
         *workspace_violations(mission, motion),
         *requirement_violations(mission, requirements),
+        *passages(mission, chains),
         *(v for rigorous, v in findings if rigorous),
         *objective_violations(plan.solve, objective, terms),
     ]

@@ -63,6 +63,41 @@ def test_no_way_through(obstacle: str) -> None:
         solve(obstacle, "(1, 5)", "[8, 9] x [4, 6]")
 
 
+def apart(text: str) -> str:
+    """The same pieces as obstacles of their own."""
+    body, _, grow = text.removeprefix("obstacle w = ").partition(" inflate ")
+    parts = body.split(" + ")
+    end = f" inflate {grow}" if grow else ""
+    return "\n".join(f"obstacle w{k} = {part}{end}" for k, part in enumerate(parts))
+
+
+SEVERAL = {name: apart(text) for name, text in ACROSS.items() if " + " in text}
+
+
+@pytest.mark.parametrize("obstacles", SEVERAL.values(), ids=SEVERAL.keys())
+def test_no_way_between_obstacles(obstacles: str) -> None:
+    with pytest.raises(InfeasibleError):
+        solve(obstacles, "(1, 5)", "[8, 9] x [4, 6]")
+
+
+def test_obstacles_of_several_requirements_are_closed_while_both_hold() -> None:
+    text = """
+step 1 s
+workspace box [0, 10] x [0, 10]
+agent r : double_integrator { start (1, 5); control |u| <= 2; speed <= 3 }
+region goal = box [8, 9] x [4, 6]
+obstacle low = box [4, 5] x [0, 5]
+obstacle high = box [4, 5] x [5, 10]
+require a: always[0, 7] r outside low swept
+require b: always[%d, 7] r outside high swept
+require c: eventually[0, 7] r in goal
+minimize effort
+"""
+    with pytest.raises(InfeasibleError):
+        solve_mission(Mission.from_text(text % 1), SolveSettings(threads=1))
+    assert solve_mission(Mission.from_text(text % 6), SolveSettings(threads=1)).report.ok
+
+
 @pytest.mark.parametrize(
     "obstacle",
     [
