@@ -94,8 +94,8 @@ require c: eventually[0, 7] r in goal
 minimize effort
 """
     with pytest.raises(InfeasibleError):
-        solve_mission(Mission.from_text(text % 1), SolveSettings(threads=1))
-    assert solve_mission(Mission.from_text(text % 6), SolveSettings(threads=1)).report.ok
+        solve_mission(loads(text % 1), SolveSettings(threads=1))
+    assert solve_mission(loads(text % 6), SolveSettings(threads=1)).report.ok
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from stlc.api import loads
 from stlc.ir.nodes import Always, And, Const, Motion, Swept, walk
 from stlc.mission import Mission
 from stlc.plan import Plan, Run, mission_digest
@@ -25,7 +26,7 @@ require clear: always forall o in obstacles: r outside o swept
 def judged(obstacles: str, *places: tuple[float, float]) -> tuple[Mission, Plan]:
     """A mission and the plan that goes straight from place to place."""
     (x, y), last = places[0], len(places) - 1
-    mission = Mission.from_text(HEAD.format(last=last, x=x, y=y, obstacles=obstacles))
+    mission = loads(HEAD.format(last=last, x=x, y=y, obstacles=obstacles))
     states, model = np.array(places, dtype=float), mission.agents["r"].dynamics
     names = (model.states, model.inputs, model.state_units, model.input_units)
     run = Run(states, np.diff(states, axis=0), *names)
