@@ -1,7 +1,7 @@
 """Where an agent really is: its inputs integrated from its start, and at any time in between.
 
-Closed forms for integrators, the matrix exponential for continuous matrices, the chord for
-discrete ones (a file that only gives a difference equation says no more about the motion).
+Closed forms for integrators, the matrix exponential for continuous matrices, and for discrete ones
+that of their real logarithm: they are the zero-order hold of one flow that turns little in a step.
 """
 
 from __future__ import annotations
@@ -32,8 +32,7 @@ class Motion:
             return np.asarray(x[place] + t * x[[2, 3]] + 0.5 * t**2 * u)
         if model.continuous:
             return _flow(_augmented(self.body), s * self.step, x, u)[:, place]
-        ends = self.states[[k, k + 1]][:, place]
-        return np.asarray(ends[0] + s[:, None] * (ends[1] - ends[0]))
+        return _flow(_logarithm(self.body), s, x, u)[:, place]
 
     @property
     def velocities(self) -> Array | None:
@@ -77,6 +76,19 @@ def _augmented(body: Body) -> Array:
     whole[:n, :n], whole[:n, n : n + m] = a, b
     whole[:n, -1] = model.c if model.c else 0.0
     return whole
+
+
+def _logarithm(body: Body) -> Array:
+    """d/ds of (x, u, 1), s the share of a step, of discrete matrices."""
+    from scipy.linalg import expm, logm
+
+    whole = _augmented(body)
+    size = len(body.model.A)
+    whole[size:, size:] = np.eye(len(whole) - size)
+    found = np.asarray(logm(whole))
+    assert np.allclose(found.imag, 0.0, atol=1e-9)
+    assert np.allclose(expm(found.real), whole, atol=1e-9)
+    return np.asarray(found.real, dtype=np.float64)
 
 
 def _flow(whole: Array, times: Array, x: Array, u: Array) -> Array:

@@ -150,7 +150,7 @@ class Scene:
     def _lines(self) -> Iterator[str]:
         yield f"step {self.step!r} s\nhorizon {self.horizon}"
         rectangle = Part(self.workspace, is_box=_is_rectangle(self.workspace))
-        yield f"workspace {rectangle.text()}"
+        yield f"workspace {rectangle.text()} swept"
         yield from (body.text() for body in self.bodies)
         yield from (obstacle.text() for obstacle in self.obstacles)
         yield from (f"region {name} = {_union(parts)}" for name, parts in self.regions.items())
