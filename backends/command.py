@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import time
 from pathlib import Path
@@ -27,12 +28,20 @@ def run(command: list[str], options: SolveOptions, folder: Path) -> str:
         try:
             while process.poll() is None and not _expired(options, began, limit):
                 time.sleep(0.02)
+            ended_itself = process.returncode is not None
         finally:
             _end(process)
     text = log.read_text(errors="replace")
     if process.returncode > 0:
         raise SolverError(f"{command[0]} ended with status {process.returncode}: {last_line(text)}")
+    if process.returncode < 0 and ended_itself:
+        raise SolverError(f"{command[0]} was killed by {_signal(-process.returncode)}")
     return text
+
+
+def _signal(number: int) -> str:
+    known = number in {s.value for s in signal.Signals}
+    return signal.Signals(number).name if known else f"signal {number}"
 
 
 def _expired(options: SolveOptions, began: float, limit: float | None) -> bool:

@@ -112,7 +112,9 @@ def parse(data: bytes | str, name: str = "plan") -> Plan:
     except json.JSONDecodeError as error:
         where = f"{name}:{error.lineno}:{error.colno}"
         raise UsageError(f"{where}: not a plan: {error.msg.lower()}") from None
-    except (ValueError, RecursionError) as error:
+    except RecursionError:
+        raise UsageError(f"{name}: not a plan: it is nested too deeply") from None
+    except ValueError as error:
         raise UsageError(f"{name}: not a plan: {error}") from None
     return _plan(_Place(name, "", value))
 

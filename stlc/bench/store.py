@@ -64,9 +64,14 @@ class Store:
         """
         if not self.path.is_file():
             raise UsageError(f"there is no store {self.path}; `stlc bench` makes one")
-        with self._open() as base:
-            rows = base.execute("SELECT suite, record FROM runs ORDER BY finished, key").fetchall()
-        return tuple(from_json(text) for suite, text in rows if not suites or suite in suites)
+        try:
+            with self._open() as base:
+                order = "SELECT suite, record FROM runs ORDER BY finished, key"
+                rows = base.execute(order).fetchall()
+            return tuple(from_json(text) for suite, text in rows if not suites or suite in suites)
+        except (sqlite3.OperationalError, ValueError, TypeError, AttributeError) as error:
+            problem = f"{self.path} is damaged, or no store of benchmark runs: {error}"
+            raise UsageError(problem) from error
 
     @contextmanager
     def _open(self) -> Iterator[sqlite3.Connection]:

@@ -47,6 +47,9 @@ def build(mission: Mission, plan: Plan) -> Figure:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    from stlc.verify.subject import check_shape
+
+    check_shape(mission, plan)
     if not plan.requirements and not plan.links:
         from stlc.verify import verify
 

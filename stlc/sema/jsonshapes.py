@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from math import isfinite
+import re
+import sys
 from typing import Any
 
 from stlc.sema.geometry import Point
@@ -18,14 +19,38 @@ def polygons(text: str, feature: str | None, path: ast.String) -> list[Rings]:
     """Outer ring and holes of each polygon. Raises Mistake."""
     try:
         data = json.loads(text)
-    except (ValueError, RecursionError) as error:
+    except RecursionError:
+        raise Mistake(_bad(path, "not GeoJSON: it is nested too deeply")) from None
+    except ValueError as error:
         raise Mistake(_bad(path, f"not JSON: {error}")) from None
     found: list[Rings] = []
     for geometry in _geometries(data, feature, path):
         found.extend(_polygons(geometry, path))
     if not found:
         raise Mistake(_bad(path, "no Polygon or MultiPolygon in it"))
+    _check_frame(data, found, path)
     return found
+
+
+_DEGREES = re.compile(r"CRS:?84|EPSG:+(?:[\d.]*:)?(?:4326|4258|4269)\b|WGS ?84\b", re.IGNORECASE)
+_TINY = 0.01  # a polygon below 1 cm is none of a mission; 0.01 degrees are 1 km
+
+
+def _check_frame(data: dict[str, Any], found: list[Rings], path: ast.String) -> None:
+    """Refuse longitude and latitude: what says so, and what would be tiny and far in metres."""
+    crs = json.dumps(data.get("crs"))
+    points = [p for outer, _ in found for p in outer]
+    xs, ys = zip(*points, strict=True) if points else ((0.0,), (0.0,))
+    spans = max(xs) - min(xs), max(ys) - min(ys)
+    on_earth = max(map(abs, xs)) <= 180 and max(map(abs, ys)) <= 90
+    far = min(max(map(abs, xs)), max(map(abs, ys))) > 100 * max(spans)
+    if _DEGREES.search(crs):
+        problem = "its `crs` is longitude and latitude in degrees"
+    elif on_earth and far and 0 < max(spans) < _TINY:
+        problem = f"only {spans[0]:.3g} x {spans[1]:.3g}: longitude and latitude, it seems"
+    else:
+        return
+    raise Mistake(_bad(path, problem, "project it to metres in a local frame first"))
 
 
 def _bad(path: ast.String, problem: str, hint: str | None = None) -> BadGeoJson:
@@ -90,8 +115,13 @@ def _ring(ring: Any, path: ast.String) -> list[Point]:
 def _position(value: Any, path: ast.String) -> Point:
     if isinstance(value, list) and len(value) >= 2:
         x, y = value[0], value[1]
-        if isinstance(x, int | float) and isinstance(y, int | float):
-            point = float(x), float(y)
-            if all(map(isfinite, point)):
-                return point
+        if _is_number(x) and _is_number(y):
+            return float(x), float(y)
     raise Mistake(_bad(path, f"a position that is not two numbers: {str(value)[:40]}"))
+
+
+def _is_number(value: Any) -> bool:
+    """A number that doubles hold: JSON here knows NaN, infinity and integers of any length."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return abs(value) <= sys.float_info.max

@@ -43,7 +43,7 @@ class Subject:
 
 def make_subject(mission: Mission, plan: Plan, tables: ChannelTables | None) -> Subject:
     """Join plan and mission. Raises UsageError when the plan is of another mission's shape."""
-    _check_shape(mission, plan)
+    check_shape(mission, plan)
     length = mission.horizon + 1
     positions = {s.name: np.tile(s.position, (length, 1)) for s in mission.stations.values()}
     for name, agent in mission.agents.items():
@@ -52,7 +52,11 @@ def make_subject(mission: Mission, plan: Plan, tables: ChannelTables | None) -> 
     return Subject(mission, plan, tables or ChannelTables(mission), positions)
 
 
-def _check_shape(mission: Mission, plan: Plan) -> None:
+_LARGEST = 1e15  # of states and inputs: beyond it doubles have no digits after the point
+
+
+def check_shape(mission: Mission, plan: Plan) -> None:
+    """UsageError when the plan's agents, steps or names are not those of the mission."""
     if set(plan.runs) != set(mission.agents):
         theirs, ours = (", ".join(sorted(names)) for names in (plan.runs, mission.agents))
         raise UsageError(f"the plan is for agents {theirs}; the mission has {ours}")
@@ -70,6 +74,8 @@ def _check_shape(mission: Mission, plan: Plan) -> None:
             )
         if not (np.isfinite(run.states).all() and np.isfinite(run.inputs).all()):
             raise UsageError(f"the plan holds numbers for {name} that are not finite")
+        if max(np.abs(run.states).max(initial=0.0), np.abs(run.inputs).max(initial=0.0)) > _LARGEST:
+            raise UsageError(f"the plan holds numbers for {name} beyond {_LARGEST:g}")
         _check_labels(name, agent.dynamics, run)
     _check_claims(plan)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sqlite3
 from pathlib import Path
 
 import pytest
@@ -46,3 +47,21 @@ def test_other_files_are_told_apart(tmp_path: Path) -> None:
         Store(text).create()
     with pytest.raises(OutputError, match="cannot write"):
         Store(odd / "runs.sqlite").create()
+
+
+@pytest.mark.parametrize("text", ["{broken", "[1]", '{"key": 1}', "7"])
+def test_a_damaged_store_is_told(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "runs.db"
+    Store(path).create()
+    with sqlite3.connect(path) as base:
+        base.execute("INSERT INTO runs VALUES ('k', 's', 'p', 'l', 1, 'f', ?)", (text,))
+    with pytest.raises(UsageError, match="damaged"):
+        Store(path).records()
+
+
+def test_a_base_of_another_kind(tmp_path: Path) -> None:
+    path = tmp_path / "other.db"
+    with sqlite3.connect(path) as base:
+        base.execute("CREATE TABLE runs (x INTEGER)")
+    with pytest.raises(UsageError, match="no store of benchmark runs"):
+        Store(path).records()

@@ -6,8 +6,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from support.command import MISSION
 from support.missions import agent, avoid, box, mission, obstacle, reach, roll
 
+from stlc.api import loads
 from stlc.errors import OutputError, UsageError
 from stlc.ir.nodes import Always, Eventually, Link, Quantity, Relation
 from stlc.ir.requirement import Requirement
@@ -152,3 +154,11 @@ def test_a_label_keeps_off_the_markers():
     axes = panel(figure, "Trajectories")
     (label,) = [text for text in axes.texts if text.get_text() == "here"]
     assert not label.get_window_extent().contains(*axes.transData.transform(here))
+
+
+def test_a_plan_of_other_agents_is_refused(tmp_path):
+    ours = loads(MISSION)
+    plan = make_plan(ours, {"a": np.zeros((5, 4))}, {"a": np.zeros((4, 2))})
+    other = dataclasses.replace(plan, runs={"b": plan.runs["a"]})
+    with pytest.raises(UsageError, match="the plan is for agents b; the mission has a"):
+        plot_plan(ours, other, tmp_path / "p.png")

@@ -1,0 +1,29 @@
+"""Commands of solvers that end badly: said, and never taken for a limit."""
+
+from pathlib import Path
+
+import pytest
+
+from stlc.backends.base import SolveOptions, Status
+from stlc.backends.conformance import knapsack
+from stlc.backends.external import external
+from stlc.errors import SolverError
+
+
+def _command(folder: Path, *lines: str) -> SolveOptions:
+    script = folder / "solver.sh"
+    script.write_text("\n".join(("#!/bin/sh", *lines)))
+    script.chmod(0o755)
+    return SolveOptions(time_limit=60.0, extra={"command": str(script)})
+
+
+@pytest.mark.parametrize("name", ["SEGV", "KILL", "ABRT"])
+def test_a_solver_that_is_killed(name: str, tmp_path: Path) -> None:
+    with pytest.raises(SolverError, match=f"solver.sh was killed by SIG{name}"):
+        external("").solve(knapsack(), _command(tmp_path, f"kill -{name} $$"))
+
+
+def test_a_solver_that_we_end_was_not_killed(tmp_path: Path) -> None:
+    options = _command(tmp_path, "sleep 60")
+    stopped = SolveOptions(extra=options.extra, should_stop=lambda: True)
+    assert external("").solve(knapsack(), stopped).status is Status.NO_SOLUTION
