@@ -37,6 +37,14 @@ EDGE = 0.1
 """Entries of theta this close to a limit are at it: where the likelihood still rises there it does
 so over whole units."""
 
+LEAST_SHARE = 0.05
+"""Share of the variance that each component has when it is climbed again: some subsets of the
+campus measurements hold too few repeats to show the deviation that all of them do."""
+
+CLOSE = 0.5
+"""Ends nearer than this in all of theta are one; the campus likelihood has a second maximum at a
+seventh of the length, which a subset may take for the first."""
+
 NAMES = ("log_fading", "log_shadowing", "log_length", "log_deviation")
 """The entries of theta; the last only where some link was measured twice."""
 
@@ -52,7 +60,21 @@ def optimise(problem: Problem, alone: Regression, restarts: int, seed: int) -> A
     ends.sort(key=lambda end: -end[1])
     if small is problem:
         return ends[0][0]
-    return _climb(_screen(problem, seed, POLISH_ROWS), ends[0][0], alone, problem)[0]
+    large = _screen(problem, seed, POLISH_ROWS)
+    again = [_lifted(theta) for theta, _ in ends]
+    apart = [s for k, s in enumerate(again) if not any(_close(s, r) for r in again[:k])]
+    return max((_climb(large, s, alone, problem) for s in apart), key=lambda end: end[1])[0]
+
+
+def _lifted(theta: Array) -> Array:
+    """Theta off its lower limits, where the likelihood of more rows could not move it."""
+    variances = np.delete(theta, 2)
+    least = np.log(LEAST_SHARE * np.exp(variances).sum())
+    return np.insert(np.maximum(variances, least), 2, theta[2])
+
+
+def _close(one: Array, other: Array) -> bool:
+    return bool(np.abs(one - other).max() < CLOSE)
 
 
 def start_sites(problem: Problem, theta: Array, alone: Regression) -> Sites:
