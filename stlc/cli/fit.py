@@ -21,6 +21,8 @@ from stlc.files import check_writable
               help="Reference distance [m].")  # fmt: skip
 @click.option("--offsets", is_flag=True, help="One unknown offset for each receiver.")
 @click.option("--floor", type=float, help="Noise floor [dB(m)]: samples at it are censored.")
+@click.option("--not-heard", multiple=True, metavar="MARK",
+              help="Cell that stands for a packet below the floor; repeatable.")  # fmt: skip
 @click.option(
     "--height",
     type=float,
@@ -45,6 +47,7 @@ def fit_command(
     d0: float,
     offsets: bool,
     floor: float | None,
+    not_heard: tuple[str, ...],
     height: float,
     where: str | None,
     seed: int,
@@ -62,7 +65,7 @@ def fit_command(
     from stlc.radio.report import fit_csv, format_summary, plot_summary
 
     options = FitOptions(d0=d0, receiver_offsets=offsets, seed=seed)
-    reading = SampleOptions(height, floor, None if where is None else _column(where))
+    reading = SampleOptions(height, floor, None if where is None else _column(where), not_heard)
     for path in (samples, test):
         if path is not None and not path.exists():
             raise UsageError(f"{path} does not exist")

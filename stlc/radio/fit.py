@@ -100,7 +100,7 @@ def fit_channel(samples: Samples, options: FitOptions | None = None) -> FitRepor
     """
     options = options or FitOptions()
     started = time.perf_counter()
-    _check(samples)
+    _check(samples, options.d0)
     if not options.receiver_offsets:
         samples = samples.unnamed()
     merged = merge(samples)
@@ -137,15 +137,21 @@ def fit_channel(samples: Samples, options: FitOptions | None = None) -> FitRepor
     )
 
 
-def _check(samples: Samples) -> None:
+def _check(samples: Samples, d0: float) -> None:
     if len(samples) < 8:
         raise FitError(f"{len(samples)} samples are too few to fit a channel: at least 8")
     if samples.censored.all():
         raise FitError("every sample is at or below the noise floor: nothing to fit")
     if np.ptp(samples.rssi) == 0.0:
         raise FitError("all samples have the same strength: there is nothing to fit")
-    if np.ptp(log_distance(link_distance(samples.links), 1e-9)) < 1e-6:
+    distance = link_distance(samples.links)
+    if np.ptp(log_distance(distance, 1e-9)) < 1e-6:
         raise FitError("all links have the same length: the path-loss exponent is undetermined")
+    if np.ptp(log_distance(distance, d0)) < 1e-6:
+        raise FitError(
+            f"no link is longer than d0 = {d0:g} m, the longest is {distance.max():.3g} m: the "
+            "path-loss exponent is undetermined; give a smaller d0, or check the unit of positions"
+        )
 
 
 def mean_features(samples: Samples, options: FitOptions) -> Array:

@@ -12,6 +12,10 @@ from stlc.arrays import Bools
 Array = NDArray[np.float64]
 
 
+FAR = -1e4
+"""Below this phi / Phi is -t to eight digits, and its two logarithms cancel badly."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Regression:
     """coefficients (q,); variance [dB^2] of one sample; log likelihood of all samples."""
@@ -26,7 +30,9 @@ def mills(t: Array) -> tuple[Array, Array]:
     from scipy.special import log_ndtr
 
     log_cdf = np.asarray(log_ndtr(t), dtype=np.float64)
-    return log_cdf, np.exp(-0.5 * t**2 - 0.5 * np.log(2.0 * np.pi) - log_cdf)
+    near = np.maximum(t, FAR)
+    ratio = np.exp(-0.5 * near**2 - 0.5 * np.log(2.0 * np.pi) - np.maximum(log_cdf, log_ndtr(FAR)))
+    return log_cdf, np.where(t < FAR, -t, ratio)
 
 
 def regress(features: Array, rssi: Array, floor: Array, censored: Bools) -> Regression:

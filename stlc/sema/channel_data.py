@@ -26,12 +26,12 @@ USAGE = 'samples "rssi.csv"'
 
 def read_table(path: ast.String, cells: int, files: Files) -> Array:
     """A square table of costs, one value for each pair of cells, from CSV or NPZ."""
-    from stlc.radio import read
+    from stlc.radio import link_table
     from stlc.radio.errors import DataError
 
     place = files.path(path.value, path.span)
     try:
-        table = read.read_table(place)
+        table = link_table.read_table(place)
     except DataError as error:
         raise Mistake(_bad(path, error)) from None
     if table.shape != (cells, cells):
@@ -58,10 +58,11 @@ class SampleSource:
     floor: float | None = None
     height: float = 0.0
     where: tuple[str, str] | None = None
+    not_heard: tuple[str, ...] = ()
 
 
 def sample_source(item: ast.Property, scope: Scope) -> SampleSource:
-    """`samples "rssi.csv" fit offsets floor -100 dBm height 1 m where "run" "3"`."""
+    """`samples "rssi.csv" fit offsets floor -100 dBm not_heard 127 where "run" "3"`."""
     words = [word for arg in item.args for word in _parted(arg)]
     first = words.pop(0) if words else None
     if not isinstance(first, ast.String):
@@ -78,12 +79,23 @@ def sample_source(item: ast.Property, scope: Scope) -> SampleSource:
                 found = replace(found, floor=scope.number(words.pop(0), DBM))
             case "height" if words:
                 found = replace(found, height=scope.number(words.pop(0), METRE))
+            case "not_heard" if words:
+                found = replace(found, not_heard=(*found.not_heard, _mark(words.pop(0), scope)))
             case "where" if len(words) >= 2:
                 column, value = scope.text(words.pop(0)), scope.text(words.pop(0))
                 found = replace(found, where=(column, value))
             case _:
                 raise props.bad(item, "has an unknown word", f"{USAGE} fit", head.span)
     return found
+
+
+def _mark(expr: ast.Expr, scope: Scope) -> str:
+    """The cell that stands for a packet not heard: a text or a number."""
+    if isinstance(expr, ast.String):
+        return expr.value
+    scalar = scope.constant(expr)
+    value = scalar.constant if scalar.unit is None else scope.number(expr, DBM)
+    return f"{value:g}"
 
 
 def _parted(expr: ast.Expr) -> tuple[ast.Expr, ...]:
@@ -103,7 +115,7 @@ def read_samples(source: SampleSource, files: Files) -> Samples:
     from stlc.radio.errors import DataError
 
     place = files.path(source.path.value, source.path.span)
-    options = read.SampleOptions(source.height, source.floor, source.where)
+    options = read.SampleOptions(source.height, source.floor, source.where, source.not_heard)
     try:
         return read.read_samples(place, options)
     except DataError as error:

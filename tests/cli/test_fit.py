@@ -113,4 +113,4 @@ def test_files_that_are_not_there(capsys, good, tmp_path):
     (tmp_path / "torn.gz").write_bytes(b"\x1f\x8bxxxx")
     status, _, err = run(capsys, tmp_path / "torn.gz")
     assert status == 1
-    assert "torn.gz: cannot read the file" in err
+    assert "torn.gz: cannot unpack the file" in err

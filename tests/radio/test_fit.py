@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from stlc.radio.errors import FitError
 from stlc.radio.evaluate import hold_out, split_samples
@@ -8,6 +9,7 @@ from stlc.radio.gp import ChannelModel
 from stlc.radio.likelihood import Problem, evaluate, initial_sites, make_blocks
 from stlc.radio.pathloss import swap_ends
 from stlc.radio.samples import Samples, make_samples, merge
+from stlc.radio.tobit import mills
 
 TRUTH = ChannelModel(-12.89, 3.0, 4.0, 20.0, 2.0)
 
@@ -150,3 +152,11 @@ def test_samples_that_fix_no_channel_are_refused():
     links[:, 2:] = links[:, :2] + [1.0, 0.0]
     with pytest.raises(FitError, match="same length"):
         fit_channel(make_samples(links, np.arange(20.0)))
+
+
+def test_mills_ratio_far_below_is_minus_t():
+    t = np.array([-1e9, -1.0001e4, -9.999e3, -3.0, 5.0])
+    log_cdf, ratio = mills(t)
+    np.testing.assert_allclose(ratio[:3], -t[:3], rtol=2e-8)
+    np.testing.assert_allclose(ratio[3:], np.exp(norm.logpdf(t[3:]) - norm.logcdf(t[3:])))
+    assert np.isfinite(log_cdf).all()

@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stlc.radio import read
+from stlc.radio import content
 from stlc.radio.errors import DataError
+from stlc.radio.link_table import read_table
 from stlc.radio.prior import PAPER_CHANNEL, draw_samples, main
-from stlc.radio.read import SampleOptions, read_samples, read_table
+from stlc.radio.read import SampleOptions, read_samples
 from stlc.radio.report import fit_csv, format_summary, plot_summary
 
 HEADER = "tx_x,tx_y,rx_x,rx_y,rssi_dbm\n"
@@ -133,7 +134,7 @@ def test_an_archive_that_claims_more_than_it_holds(tmp_path):
 
 
 def test_what_unpacks_without_end(tmp_path, monkeypatch):
-    monkeypatch.setattr(read, "MOST_BYTES", 2**20)
+    monkeypatch.setattr(content, "MOST_BYTES", 2**20)
     _archive(tmp_path / "bomb.npz", bytes(2**22))
     with pytest.raises(DataError, match="unpacks to more than 1 MiB"):
         read_table(tmp_path / "bomb.npz")

@@ -215,3 +215,13 @@ def test_a_word_that_ends_too_early_is_completed() -> None:
         mission(f"{LOSS} partition 2 x 2; modulation oqpsk")
     (found,) = caught.value.diagnostics
     assert found.help_text == "write it as `modulation oqpsk_802_15_4`"
+
+
+def test_packets_not_heard_lie_below_the_floor(tmp_path: Path) -> None:
+    rows = SAMPLES.splitlines()
+    heard = rows[1].rsplit(",", 1)[0]
+    (tmp_path / "rssi.csv").write_text("\n".join([*rows, f"{heard},127", f"{heard},-999"]))
+    said = "floor -58 dBm not_heard 127 not_heard -999"
+    text = f'partition 2 x 2; samples "rssi.csv" fit {said}'
+    found = mission(text, folder=tmp_path).warnings
+    assert "censored" in str(next(d for d in found if d.code == "W1009"))
