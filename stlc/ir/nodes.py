@@ -21,6 +21,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import Enum
 
+from stlc.ir.norms import Norms
 from stlc.source import Span
 
 
@@ -96,11 +97,12 @@ class Swept:
 class Node:
     """Base of all nodes; equality and hash are structural, over `key`.
 
-    `span` and `swept` take no part in them.
+    `span`, `swept` and `norms` take no part in them.
     """
 
     span: Span | None = field(default=None, repr=False, kw_only=True)
     swept: Swept | None = field(default=None, repr=False, kw_only=True)
+    norms: Norms | None = field(default=None, repr=False, kw_only=True)
     _hash: int = field(default=0, init=False, repr=False, kw_only=True)
 
     def __post_init__(self) -> None:

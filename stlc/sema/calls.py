@@ -169,7 +169,7 @@ def euclidean(x: Scalar, y: Scalar, sides: int, span: Span) -> Scalar:
     if x.is_constant and y.is_constant:
         return Scalar(math.hypot(x.constant, y.constant), unit=unit)
     faces = tuple(_face(x, y, 2.0 * math.pi * h / sides, span) for h in range(sides))
-    return Scalar(folds=((Fold(FoldKind.DISTANCE, faces), 1.0),), unit=unit)
+    return Scalar(folds=((Fold(FoldKind.DISTANCE, faces, (x, y)), 1.0),), unit=unit)
 
 
 def _face(x: Scalar, y: Scalar, angle: float, span: Span) -> Scalar:

@@ -26,6 +26,7 @@ from stlc.ir.nodes import (
     Role,
     Signal,
 )
+from stlc.ir.norms import Norms, Sum
 from stlc.sema import units
 from stlc.sema.channel_errors import BadLink
 from stlc.sema.report import Mistake
@@ -87,7 +88,10 @@ def at_least_zero(scalar: Scalar, span: Span, positive: bool) -> Node:
 def _unfold(scalar: Scalar, span: Span, positive: bool) -> Node:
     if not scalar.folds:
         return _leaf(scalar, span)
-    (fold, coefficient), *others = scalar.folds
+    # Lengths last: what stands behind them is then linear but for them.
+    ordered = sorted(scalar.folds, key=lambda part: part[0].kind is FoldKind.DISTANCE)
+    (fold, coefficient), *others = ordered
+    norms = _norms(scalar) if fold.kind is FoldKind.DISTANCE else None
     rest = replace(scalar, folds=tuple(others))
     coefficient = _sound(fold, coefficient, positive)
     alternatives = tuple(
@@ -95,7 +99,21 @@ def _unfold(scalar: Scalar, span: Span, positive: bool) -> Node:
         for arg in fold.args
     )
     some = (fold.kind is FoldKind.MIN) == (coefficient < 0)
-    return _join(Or if some else And, alternatives, span)
+    return _join(Or if some else And, alternatives, span, norms)
+
+
+def _norms(scalar: Scalar) -> Norms | None:
+    """The lengths that a scalar is made of, None when they are of anything but linear numbers."""
+    lengths = []
+    for fold, coefficient in scalar.folds:
+        if any(face.folds for face in fold.args):
+            return None
+        lengths.append((coefficient, _sum(fold.components[0]), _sum(fold.components[1])))
+    return Norms(_sum(scalar), tuple(lengths), unit_name(scalar))
+
+
+def _sum(scalar: Scalar) -> Sum:
+    return Sum(tuple((a, c) for a, c in scalar.terms if isinstance(a, Signal)), scalar.constant)
 
 
 def _sound(fold: Fold, coefficient: float, positive: bool) -> float:
@@ -117,12 +135,18 @@ def _plus(a: Scalar, b: Scalar) -> Scalar:
     return Scalar(a.constant + b.constant, kept, a.folds + b.folds, a.unit)
 
 
-def _join(kind: type[And] | type[Or], parts: tuple[Node, ...], span: Span) -> Node:
+def _join(
+    kind: type[And] | type[Or], parts: tuple[Node, ...], span: Span, norms: Norms | None
+) -> Node:
     flat: list[Node] = []
     for part in parts:
-        flat.extend(part.args if isinstance(part, And | Or) and type(part) is kind else (part,))
+        # Within lengths of their own the parts are no more than faces.
+        alike = isinstance(part, And | Or) and type(part) is kind and (norms or not part.norms)
+        flat.extend(part.children if alike else (part,))
     unique = tuple(dict.fromkeys(flat))
-    return unique[0] if len(unique) == 1 else kind(unique, span=span)
+    if len(unique) == 1 and norms is None:
+        return unique[0]
+    return kind(unique, span=span, norms=norms)
 
 
 def _leaf(scalar: Scalar, span: Span) -> Node:

@@ -37,10 +37,14 @@ class FoldKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Fold:
-    """Maximum or minimum of scalars; `pieces` counts the linear functions it is made of."""
+    """Maximum or minimum of scalars; `pieces` counts the linear functions it is made of.
+
+    `components` (x, y) of a DISTANCE, which its faces stand for.
+    """
 
     kind: FoldKind
     args: tuple[Scalar, ...]
+    components: tuple[Scalar, ...] = ()
     pieces: int = field(init=False, compare=False)
 
     def __post_init__(self) -> None:

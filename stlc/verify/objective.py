@@ -35,7 +35,7 @@ def _term(subject: Subject, term: ObjectiveTerm, cells: CellModel, trace: Trace)
         case TermKind.LINK_COST:
             low, high = _link_cost(subject, term, cells)
         case TermKind.ROBUSTNESS:
-            low = high = _robustness(subject, term, trace)
+            low, high = (_robustness(subject, term, trace, faces=f) for f in (True, False))
     scale = static_range(subject.mission, term, subject.tables)
     return TermReport(_name(term), term.weight, low / scale, high / scale, term.span)
 
@@ -75,9 +75,12 @@ def _link_cost(subject: Subject, term: ObjectiveTerm, cells: CellModel) -> tuple
     return low, high
 
 
-def _robustness(subject: Subject, term: ObjectiveTerm, trace: Trace) -> float:
-    """Least robustness of the requirements meant, each predicate divided by its unit's scale."""
-    evaluator = Evaluator(trace, scales=term.scales)
+def _robustness(subject: Subject, term: ObjectiveTerm, trace: Trace, *, faces: bool) -> float:
+    """Least robustness of the requirements meant, each predicate divided by its unit's scale.
+
+    A model that sees lengths by the faces of polygons proves its bound for those.
+    """
+    evaluator = Evaluator(trace, scales=term.scales, faces=faces)
     values = [
         evaluator.robustness(r.formula)[:1]
         for r in subject.mission.requirements

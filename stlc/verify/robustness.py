@@ -38,6 +38,7 @@ from stlc.ir.nodes import (
     Timed,
     Until,
 )
+from stlc.ir.norms import Norms, Sum
 
 Array = NDArray[np.float64]
 LinkEvaluator = Callable[[Link, bool], Array]
@@ -83,7 +84,10 @@ class Evaluator:
         trace: Trace,
         override: Override | None = None,
         scales: Mapping[str, float] | None = None,
+        *,
+        faces: bool = False,
     ) -> None:
+        self._faces = faces
         self.trace = trace
         self._override = override
         self._scales = dict(scales or {})
@@ -106,7 +110,7 @@ class Evaluator:
         # Hash-consing on the way: equality of deep nodes is recursive, equality of classes isn't.
         parts = [self._class[id(child), sign] for child, sign in _parts(node, positive)]
         own = tuple(k for k in node.key if not isinstance(k, Node))
-        key = (type(node), node.swept, own, *parts, isinstance(node, Link) and positive)
+        key = (type(node), node.swept, node.norms, own, *parts, isinstance(node, Link) and positive)
         number = self._number.get(key)
         if number is None:
             number = self._number[key] = len(self._values)
@@ -118,10 +122,13 @@ class Evaluator:
         given = self._override(node) if self._override else None
         if given is not None:
             return given
+        if node.norms is not None and not self._faces:
+            return self._scaled(_lengths(node.norms, self.trace), node.norms.unit)
         value = _value(node, [self._values[k] for k in parts], self.trace, positive)
-        if self._scales and isinstance(node, Linear | Link):
-            return np.asarray(value / self._scales.get(unit(node), 1.0))
-        return value
+        return self._scaled(value, unit(node)) if isinstance(node, Linear | Link) else value
+
+    def _scaled(self, value: Array, measured_in: str) -> Array:
+        return np.asarray(value / self._scales.get(measured_in, 1.0)) if self._scales else value
 
     def judged(self, node: Node, positive: bool = True) -> Array:
         """Robustness of a part of a formula that was judged before, by its polarity there."""
@@ -220,7 +227,17 @@ def _aligned(left: Array, right: Array) -> tuple[Array, Array]:
     return left[:length], right[:length]
 
 
-def _linear(node: Linear, trace: Trace) -> Array:
+def _lengths(norms: Norms, trace: Trace) -> Array:
+    """rest + sum of coefficient * sqrt(x^2 + y^2) at the common leading steps."""
+    parts = [_linear(norms.rest, trace)]
+    for coefficient, *components in norms.lengths:
+        x, y = _aligned(*(_linear(c, trace) for c in components))
+        parts.append(coefficient * np.hypot(x, y))
+    shortest = min(map(len, parts))
+    return np.asarray(np.sum([part[:shortest] for part in parts], axis=0), dtype=np.float64)
+
+
+def _linear(node: Linear | Sum, trace: Trace) -> Array:
     columns = [(trace.signal(signal), coefficient) for signal, coefficient in node.terms]
     length = min((len(column) for column, _ in columns), default=trace.length)
     total = np.full(length, float(node.constant))
