@@ -134,7 +134,7 @@ def _alike(rule: Rule, mean: Array, sigma: Array | float) -> Array:
 
     low, high = float(mean.min()), float(mean.max())
     count = int((high - low) / (float(sigma) / 16.0)) + 8
-    if len(mean) < DENSE * count:
+    if len(mean) < DENSE * count or high - low < 1e-6:  # knots would coincide
         return _direct(rule, mean, np.full_like(mean, sigma))
     knots = np.linspace(low, high, count)
     spline = CubicSpline(knots, _direct(rule, knots, np.full_like(knots, sigma)))

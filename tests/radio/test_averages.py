@@ -44,6 +44,12 @@ def test_many_pairs_of_one_sigma_come_to_the_same_as_one_by_one():
     np.testing.assert_allclose(many[::500], some, rtol=0, atol=1e-7)
 
 
+def test_many_pairs_of_one_mean_and_sigma():
+    curve = LinkBudget(-90.0, Modulation.OQPSK_802_15_4, packet=127).prr
+    many = average(curve, np.full(100, -88.0), np.full(100, 2.5))
+    np.testing.assert_array_equal(many, average(curve, np.array([-88.0]), np.array([2.5]))[0])
+
+
 @settings(deadline=None)
 @given(
     modulation=st.sampled_from(list(Modulation)),
