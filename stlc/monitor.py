@@ -175,14 +175,19 @@ def _signals(
     missing = {c for names in used.values() for c in names.values()} - set(recording.columns)
     if missing:
         raise UsageError(_missing(recording, sorted(missing)))
-    return {key: _stack(names, recording) for key, names in used.items()}
+    return {key: _stack(names, recording, key[1]) for key, names in used.items()}
 
 
-def _stack(names: Mapping[int, str], recording: Recording) -> Array:
+def _stack(names: Mapping[int, str], recording: Recording, role: Role) -> Array:
+    """(N, width); inputs without a value at the last step end there, as those of a plan do."""
     table = np.full((len(recording.times), max(names) + 1), np.nan)
+    ends = False
     for index, name in names.items():
         table[:, index] = recording.columns[name]
-    return table
+        ends |= bool(np.isnan(table[-1, index]))
+        if ends and role is not Role.INPUT:
+            raise UsageError(f"{recording.name}: {name} has no value at the last step")
+    return table[:-1] if ends else table
 
 
 def _column(signal: Signal, mission: Mission | None) -> str:

@@ -1,11 +1,11 @@
-"""Recorded signals, read from CSV."""
+"""Recorded signals, read from CSV: a column each, or the waypoints that a plan writes."""
 
 from __future__ import annotations
 
 import csv
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,8 +16,34 @@ from stlc.inputs import InputError, read_input
 
 Array = NDArray[np.float64]
 
-STEP_SLACK = 1e-3
-"""Recorded times may differ from the grid by this share of a step."""
+JITTER = 0.1
+"""Time stamps may be off the grid by this share of a step. Loggers at 10 to 100 Hz are off by up to
+5 %; from 50 % on it is open which step a sample belongs to."""
+
+_INPUT = "_input"  # what a plan's CSV adds to an input that has the name of a state
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Columns(Mapping[str, Array]):
+    """Signals (N,) by name. What isn't numbers is an error only when it is asked for.
+
+    The inputs of a plan have no value at its last step: NaN.
+    """
+
+    found: Mapping[str, Array | UsageError]
+
+    def __getitem__(self, name: str) -> Array:
+        """The signal. UsageError, with the line, for a column that isn't all numbers."""
+        column = self.found[name]
+        if isinstance(column, UsageError):
+            raise column
+        return column
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.found)
+
+    def __len__(self) -> int:
+        return len(self.found)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,32 +55,105 @@ class Recording:
     columns: Mapping[str, Array]
 
 
+@dataclass(frozen=True, slots=True)
+class _Table:
+    """The cells of the file, as texts, each row with its place for messages."""
+
+    name: str
+    header: tuple[str, ...]
+    places: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+    def numbers(self, column: str, gaps: bool = False) -> Array | UsageError:
+        """A column (rows,), or its first mistake; with `gaps`, an empty last cell is NaN."""
+        k = self.header.index(column)
+        values = np.empty(len(self.rows))
+        for row, place in enumerate(self.places):
+            cell = self.rows[row][k].strip()
+            if gaps and not cell and row == len(self.rows) - 1:
+                values[row] = math.nan
+                continue
+            value = _number(cell)
+            if value is None or not math.isfinite(value):
+                problem = "no number" if value is None else "not finite"
+                return UsageError(f"{place}: {column} is {problem}: {cell[:40]!r}")
+            values[row] = value
+        return values
+
+
 def read_recording(path: str | os.PathLike[str], step: float) -> Recording:
     """Read a CSV with a header and a column `time` [s] (or `t`, counting steps).
 
-    Fields are parted by commas, semicolons or tabs; lines that begin with # are left out. Raises
-    UsageError, with the line, for anything that isn't a regular recording with this step.
+    A column for each signal; or, with a column `agent`, a row for each agent and step, as
+    `Plan.to_csv` writes it, whose signals are `agent.name`. Fields are parted by commas,
+    semicolons or tabs; lines that begin with # are left out. Raises UsageError, with the line, for
+    anything that isn't a regular recording with this step; columns of other things may be there.
     """
-    name = os.fspath(path)
+    table = _table(os.fspath(path))
+    if "agent" not in table.header:
+        found = {column: table.numbers(column) for column in table.header}
+        return Recording(table.name, _times(table, step), Columns(found))
+    k = table.header.index("agent")
+    agents = dict.fromkeys(row[k].strip() for row in table.rows)
+    found, times = {}, np.empty(0)
+    for agent in agents:
+        part = _rows_of(table, agent, k)
+        own = _times(part, step)
+        if len(times) and not np.array_equal(times, own):
+            raise UsageError(f"{table.name}: {agent} is recorded at other steps than the rest")
+        times = own
+        found |= {
+            f"{agent}.{column.removesuffix(_INPUT)}": part.numbers(column, gaps=True)
+            for column in part.header
+            if column not in ("t", "time", "agent")
+        }
+    return Recording(table.name, times, Columns(found))
+
+
+def _rows_of(table: _Table, agent: str, column: int) -> _Table:
+    """The rows of one agent, and the columns that have anything for it."""
+    kept = [j for j, row in enumerate(table.rows) if row[column].strip() == agent]
+    rows = [table.rows[j] for j in kept]
+    wide = [k for k in range(len(table.header)) if any(row[k].strip() for row in rows)]
+    return _Table(
+        table.name, tuple(table.header[k] for k in wide), tuple(table.places[j] for j in kept),
+        tuple(tuple(row[k] for k in wide) for row in rows),
+    )  # fmt: skip
+
+
+def _table(name: str) -> _Table:
     lines = [(k, x) for k, x in enumerate(_text(name).splitlines(), 1) if x.strip()]
     lines = [(k, x) for k, x in lines if not x.lstrip().startswith("#")]
     if len(lines) < 2:
         raise UsageError(f"{name}: a recording needs a header and at least one sample")
     mark = max(",;\t", key=lines[0][1].count)
-    header = [cell.strip() for cell in next(csv.reader([lines[0][1]], delimiter=mark))]
+    places = [f"{name}:{number}" for number, _ in lines]
+    header, *rows = (_cells(p, x, mark) for p, (_, x) in zip(places, lines, strict=True))
     if len(set(header)) != len(header):
-        raise UsageError(f"{name}:{lines[0][0]}: two columns have the same name")
+        raise UsageError(f"{places[0]}: two columns have the same name")
     if not {"time", "t"} & set(header):
         raise UsageError(
             f"{name}: a recording is a CSV file with a column `time` in seconds, or `t` in steps; "
             f"its header is {lines[0][1].strip()[:60]!r}"
         )
-    table = np.empty((len(lines) - 1, len(header)))
-    for row, (number, line) in enumerate(lines[1:]):
-        table[row] = _numbers(f"{name}:{number}", line, mark, header)
-    columns = {column: table[:, k] for k, column in enumerate(header)}
-    times = _times(name, columns, step, [number for number, _ in lines[1:]])
-    return Recording(name, times, columns)
+    for place, row in zip(places[1:], rows, strict=True):
+        if len(row) != len(header):
+            raise UsageError(f"{place}: expected {len(header)} fields, found {len(row)}")
+    return _Table(name, header, tuple(places[1:]), tuple(rows))
+
+
+def _cells(place: str, line: str, mark: str) -> tuple[str, ...]:
+    try:
+        return tuple(cell.strip() for cell in next(csv.reader([line], delimiter=mark)))
+    except csv.Error as error:  # a field of more than 128 kB, a NUL
+        raise UsageError(f"{place}: no line of a CSV file: {error}") from None
+
+
+def _number(cell: str) -> float | None:
+    try:
+        return float(cell)
+    except ValueError:
+        return None
 
 
 def _text(name: str) -> str:
@@ -66,31 +165,24 @@ def _text(name: str) -> str:
         raise UsageError(f"{name}: not a CSV file: it is not UTF-8 text") from None
 
 
-def _numbers(place: str, line: str, mark: str, header: Sequence[str]) -> list[float]:
-    cells = next(csv.reader([line], delimiter=mark))
-    if len(cells) != len(header):
-        raise UsageError(f"{place}: expected {len(header)} fields, found {len(cells)}")
-    values = []
-    for column, cell in zip(header, cells, strict=True):
-        try:
-            value = float(cell)
-        except ValueError:
-            raise UsageError(f"{place}: {column} is no number: {cell.strip()[:40]!r}") from None
-        if not math.isfinite(value):
-            raise UsageError(f"{place}: {column} is not finite: {cell.strip()[:40]!r}")
-        values.append(value)
-    return values
-
-
-def _times(name: str, columns: Mapping[str, Array], step: float, numbers: Sequence[int]) -> Array:
-    """Seconds (N,) of the samples, checked against the step."""
-    times = columns["time"] if "time" in columns else columns["t"] * step
-    gaps = np.diff(times)
-    wrong = np.flatnonzero(np.abs(gaps - step) > STEP_SLACK * step)
-    if len(wrong):
-        row = int(wrong[0])
-        raise UsageError(
-            f"{name}:{numbers[row + 1]}: {gaps[row]:g} s after the sample before, but the "
-            f"specification's step is {step:g} s"
+def _times(table: _Table, step: float) -> Array:
+    """Seconds (N,) of the steps that the samples belong to: a grid from the first stamp on."""
+    times = table.numbers("time" if "time" in table.header else "t")
+    if isinstance(times, UsageError):
+        raise times
+    if "time" not in table.header:
+        times = times * step
+    grid = times[0] + step * np.arange(len(times))
+    wrong = np.flatnonzero(~(np.abs(times - grid) <= JITTER * step))
+    if not len(wrong):
+        return np.asarray(grid, dtype=np.float64)
+    row = int(wrong[0])
+    gap, off = times[row] - times[row - 1], times[row] - grid[row]
+    if abs(gap - step) > JITTER * step:
+        problem = f"{gap:g} s after the sample before, but the specification's step is {step:g} s"
+    else:
+        problem = (
+            f"the clock has drifted: {off:+g} s off step {row} after the first stamp; "
+            f"{JITTER:.0%} of a step is allowed"
         )
-    return times
+    raise UsageError(f"{table.places[row]}: {problem}")

@@ -139,12 +139,12 @@ def _row(report: MonitorReport, at: float | None) -> int:
     """Index of the sample to judge at."""
     if at is None:
         return 0
-    from stlc.recording import STEP_SLACK
+    from stlc.recording import JITTER
 
     times = report.times
     step = float(times[1] - times[0]) if len(times) > 1 else 1.0
     nearest = round((at - float(times[0])) / step) if at == at else -1
-    if 0 <= nearest < len(times) and abs(float(times[nearest]) - at) <= STEP_SLACK * step:
+    if 0 <= nearest < len(times) and abs(float(times[nearest]) - at) <= JITTER * step:
         return nearest
     raise UsageError(
         f"--at {at:g}: no sample was recorded then; samples are at "

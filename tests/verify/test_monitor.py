@@ -117,7 +117,7 @@ def test_bad_recordings(tmp_path, text, words):
 def test_missing_file_and_links(tmp_path):
     with pytest.raises(UsageError, match="no such file"):
         read_recording(tmp_path / "none.csv", 1.0)
-    with pytest.raises(UsageError, match="cannot read it"):
+    with pytest.raises(UsageError, match="is a folder"):
         read_recording(tmp_path, 1.0)
     link = Link("radio", Quantity.RSSI, "a", "b", Relation.AT_LEAST, -70.0)
     with pytest.raises(UsageError, match="can't be monitored"):
