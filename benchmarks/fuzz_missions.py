@@ -97,7 +97,7 @@ def _columns(ran: Ran) -> int:
         told = json.loads(ran.stdout)
     except ValueError:
         return COLUMNS + 1
-    return int(told["columns"] if "columns" in told else told["model"]["columns"])
+    return int(told.get("columns", COLUMNS + 1))
 
 
 def _objective(ran: Ran) -> float | None:
@@ -105,7 +105,7 @@ def _objective(ran: Ran) -> float | None:
         told = json.loads(ran.stdout)
     except ValueError:
         return None
-    return told["objective"] if ran.status == 0 and told["status"] == "optimal" else None
+    return told["objective"] if told.get("status") == "optimal" else None
 
 
 def _compared(given: Input, one: tuple[int, Any], other: tuple[int, Any] | None) -> Iterator[Fault]:

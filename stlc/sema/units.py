@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from functools import lru_cache
-from math import pi
+from math import inf, pi
 
 Dims = tuple[tuple[str, int], ...]
 
@@ -94,6 +94,10 @@ KNOWN = tuple(sorted(n for n in _TABLE if n != "1"))
 _FACTOR = re.compile(r"\s*([*/·]?)\s*([A-Za-z%1]+)(?:\s*\^\s*(-?\d+))?\s*")
 
 
+_POWER = re.compile(r"-?\d")
+"""Exponents of one digit: to such a power the factor of every prefix is a double."""
+
+
 class UnknownUnitName(ValueError):
     """A unit whose part `name` isn't known."""
 
@@ -113,12 +117,14 @@ def parse_unit(text: str) -> Scaled:
         if match is None or match[2] not in _TABLE or bool(at) != bool(match[1]):
             raise UnknownUnitName(match[2] if match else text)
         part = _TABLE[match[2]]
-        exponent = int(match[3] or 1) * (-1 if match[1] == "/" else 1)
-        if part.unit.level:
+        if part.unit.level or not _POWER.fullmatch(match[3] or "1"):
             raise UnknownUnitName(text)
+        exponent = int(match[3] or 1) * (-1 if match[1] == "/" else 1)
         unit = times(unit, power(part.unit, exponent))
         scale *= part.scale**exponent
         at = match.end()
+    if not 0.0 < scale < inf:
+        raise UnknownUnitName(text)
     return Scaled(unit, scale)
 
 

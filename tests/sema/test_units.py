@@ -51,6 +51,14 @@ def test_unknown_units(text: str) -> None:
         parse_unit(text)
 
 
+@pytest.mark.parametrize(
+    "text", ["h^400", "m^-400", "ms^99", "GHz^9*GHz^9*GHz^9*GHz^9", "m^" + "9" * 9000]
+)
+def test_powers_beyond_doubles_are_no_units(text: str) -> None:
+    with pytest.raises(UnknownUnitName):
+        parse_unit(text)
+
+
 def test_products_and_powers() -> None:
     assert units.times(units.SPEED, units.SECOND) == units.METRE
     assert units.over(units.METRE, units.SECOND) == units.SPEED
