@@ -7,6 +7,7 @@ with whoever started it, however that one ended.
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -14,10 +15,12 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import ExitStack, suppress
+from pathlib import Path
 from typing import IO, cast
 
 from stlc.errors import SolverError
+from stlc.files import scratch_folder
 from stlc.solve.racing.messages import read_message, write_message
 
 
@@ -35,13 +38,16 @@ class Child:
         self._memory = memory
         self._began = time.monotonic()
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115 (closed in `end`)
+        self._kept = ExitStack()
+        folder = self._kept.enter_context(scratch_folder())
         try:
             self._process = subprocess.Popen(
                 [sys.executable, "-m", module],
                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors,
-                start_new_session=True,
+                start_new_session=True, env={**os.environ, "TMPDIR": str(folder)},
             )  # fmt: skip
         except OSError as error:
+            self._kept.close()
             raise SolverError(f"cannot start {name}: {error.strerror}") from error
         self._reader = threading.Thread(target=self._talk, args=(task, tell), daemon=True)
         self._reader.start()
@@ -71,7 +77,7 @@ class Child:
         return f"its process ended with {cause}{hint}" + (f": {said[-1]}" if said else "")
 
     def end(self) -> None:
-        """End the process and its children, if it still runs."""
+        """End the process and its children, and remove what they left in their folder."""
         if self._process.poll() is None:
             _signal(self._process, signal.SIGTERM)
             try:
@@ -79,11 +85,14 @@ class Child:
             except subprocess.TimeoutExpired:
                 _signal(self._process, signal.SIGKILL)
                 self._process.wait()
+        with suppress(ProcessLookupError):  # children of one that died by itself
+            _signal(self._process, signal.SIGKILL)
         self._reader.join(5.0)
         for stream in (self._process.stdin, self._process.stdout):
             if stream is not None:
                 _close(stream)
         self._errors.close()
+        self._kept.close()
 
 
 def _signal(process: subprocess.Popen[bytes], number: signal.Signals) -> None:
@@ -116,6 +125,9 @@ def _watch_input() -> None:
     # Not sys.stdin: its lock, held by a daemon thread, would abort an interpreter that ends.
     while os.read(0, 1 << 16):
         continue
+    own = Path(tempfile.gettempdir())
+    if own.name.startswith("stlc-"):  # made for us by one that is gone
+        shutil.rmtree(own, ignore_errors=True)
     if hasattr(os, "killpg") and os.getpid() == os.getpgrp():
         with suppress(ProcessLookupError):
             os.killpg(0, signal.SIGKILL)

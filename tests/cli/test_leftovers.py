@@ -1,0 +1,66 @@
+"""However a command ends, no temporary folder and no process of it stays behind."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+from support.command import LIMIT, command, long_mission
+from support.events import wait_for
+
+ENDS = {
+    "Ctrl-C": (signal.SIGINT,),
+    "Ctrl-C twice": (signal.SIGINT, signal.SIGINT),
+    "SIGTERM": (signal.SIGTERM,),
+    "SIGHUP": (signal.SIGHUP,),
+}
+COMMANDS = {
+    "solve": ("solve", "long.stl", "--backend", "pulp"),
+    "race": ("race", "long.stl", "--with", "pulp:auto,scip:auto"),
+}
+
+
+def _ours(folder: Path) -> list[int]:
+    """Processes that have the folder as their place for temporary files."""
+    mark, found = str(folder).encode(), []
+    for place in Path("/proc").glob("[0-9]*/environ"):
+        try:
+            if mark in place.read_bytes():
+                found.append(int(place.parent.name))
+        except OSError:  # gone, or another's
+            continue
+    return [pid for pid in found if pid != os.getpid()]
+
+
+@pytest.mark.parametrize("end", ENDS)
+@pytest.mark.parametrize("name", COMMANDS)
+def test_nothing_stays_behind(name: str, end: str, tmp_path: Path) -> None:
+    long_mission(tmp_path, 12)
+    scratch = tmp_path / "scratch"
+    scratch.mkdir()
+    process = subprocess.Popen(
+        command(*COMMANDS[name], "--progress", "ndjson"), cwd=tmp_path, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ, "TMPDIR": str(scratch)},
+    )  # fmt: skip
+    wait_for(process, "statistics" if name == "solve" else "status")
+    for _ in range(100):
+        if list(scratch.iterdir()):
+            break
+        time.sleep(0.05)
+    for number in ENDS[end]:
+        process.send_signal(number)
+        time.sleep(0.02)
+    _, err = process.communicate(timeout=LIMIT)
+    assert process.returncode in (0, 130), err
+    assert "Traceback" not in err
+    assert "release unlocked lock" not in err
+    assert list(scratch.iterdir()) == []
+    for _ in range(100):
+        if not _ours(scratch):
+            break
+        time.sleep(0.05)
+    assert _ours(scratch) == []
