@@ -26,7 +26,7 @@ from truth.scene import Scene
 
 from stlc.api import loads, solve
 from stlc.errors import InfeasibleError, MissionError, NoPlanError, StlcError
-from stlc.solve.driver import SolveSettings
+from stlc.solve.outcome import SolveSettings
 
 LIMIT = 1.01e-6  # in the unit of each condition: 1e-6, and rounding of our own integration
 PATIENCE = 4  # missions that are drawn for each plan wanted

@@ -22,7 +22,7 @@ from stlc.mission import Mission
 from stlc.plot import plot_plan
 from stlc.radio.read import read_samples
 from stlc.radio.report import fit_csv, format_summary, plot_summary
-from stlc.solve.driver import Outcome, SolveSettings
+from stlc.solve.outcome import Outcome, SolveSettings
 from stlc.verify import verify
 
 FloatArray = NDArray[np.float64]

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from stlc.milp.compile import Compiled, CompileOptions
     from stlc.mission import Mission
     from stlc.plan import Plan
-    from stlc.solve.driver import Outcome, SolveSettings
     from stlc.solve.events import Listener
+    from stlc.solve.outcome import Outcome, SolveSettings
     from stlc.verify import Report
 
 __all__ = ["check", "compile", "explain", "load", "loads", "solve", "verify"]

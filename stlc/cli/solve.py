@@ -23,8 +23,8 @@ from stlc.errors import InfeasibleError, SolverError
 
 if TYPE_CHECKING:
     from stlc.mission import Mission
-    from stlc.solve.driver import Outcome, SolveSettings
     from stlc.solve.events import Listener
+    from stlc.solve.outcome import Outcome, SolveSettings
 
 _GRACE = 0.4  # s that a solver may overrun its limit, or Ctrl-C, before it is left behind
 _EXPLAIN = 20.0  # s for all solves that look for a conflict
@@ -102,7 +102,7 @@ def _explain(mission: Mission, settings: SolveSettings, tell: Listener, told: st
 def _settings(mission: Mission, words: dict[str, Any]) -> SolveSettings:
     from stlc.milp.encodings import compile_options
     from stlc.plan import read_plan, shifted
-    from stlc.solve.driver import SolveSettings
+    from stlc.solve.outcome import SolveSettings
 
     start = read_plan(words["start"]) if words["start"] else None
     if words["shift"] and start is None:

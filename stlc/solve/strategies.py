@@ -21,6 +21,7 @@ from stlc.backends.base import Backend, Capability, Solution, SolveOptions, Stat
 from stlc.errors import UsageError
 from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
+from stlc.solve import tuning
 from stlc.solve.alone.strategy import LONE
 from stlc.solve.heuristics.dive import DIVE
 from stlc.solve.heuristics.prioritised import PRIORITISED
@@ -29,9 +30,6 @@ from stlc.solve.strategy import Strategy, Work
 
 ENTRY_POINTS = "stlc.strategies"
 """Entry-point group under which a package offers a `Strategy`."""
-
-_SMALL = 1500  # columns; measured: team models of that size mostly end within a moment
-_MOMENT, _SHARE = 1.0, 0.1  # s, and of the time limit
 
 
 def run_strategy(
@@ -78,11 +76,13 @@ def _is_small(work: Work) -> bool:
     """A team's model so small that a plain solve mostly ends before any search has begun."""
     compiled = work.compiled
     team = len(compiled.states) > 1 and not compiled.robustness
-    return team and compiled.model.columns <= _SMALL and work.can(Capability.TIME_LIMIT)
+    return (
+        team and compiled.model.columns <= tuning.BRIEF.columns and work.can(Capability.TIME_LIMIT)
+    )
 
 
 def _try_briefly(work: Work) -> Work | Solution:
-    moment = work.deadline.share(_SHARE, _MOMENT)
+    moment = work.deadline.share(tuning.BRIEF.share, tuning.BRIEF.seconds)
     found = solve_twice_if_infeasible(work.compiled.model, work.backend, moment.bind(work.asked()))
     if found.status in (Status.OPTIMAL, Status.INFEASIBLE):
         return found

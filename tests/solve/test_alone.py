@@ -1,5 +1,7 @@
 """Teams bounded and started from what each agent does alone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from stlc.backends.base import SolveOptions, Status
 from stlc.ir.nodes import Link, walk
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.mission import Mission
-from stlc.solve import strategies as strategy
+from stlc.solve import tuning
 from stlc.solve.alone.bounds import bounded, least, lone_runs
 from stlc.solve.alone.project import project
 from stlc.solve.alone.strategy import LONE
@@ -78,7 +80,9 @@ def plain(compiled: Compiled) -> tuple[Status, float | None]:
 def test_the_strategy_has_the_optimum_of_the_plain_model(
     seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(strategy, "_SMALL", 0)  # or they would be solved at once
+    monkeypatch.setattr(
+        tuning, "BRIEF", replace(tuning.BRIEF, columns=0)
+    )  # or they would be solved at once
     task = mission(seed, agents=2 + seed % 2)
     compiled = compile_mission(task)
     status, optimum = plain(compiled)

@@ -5,7 +5,8 @@ import pytest
 from stlc.api import loads
 from stlc.milp.compile import CompileOptions
 from stlc.milp.tables import ENCODINGS
-from stlc.solve.driver import SolveSettings, solve_mission
+from stlc.solve.driver import solve_mission
+from stlc.solve.outcome import SolveSettings
 
 HEAD = """
 horizon 1

@@ -7,7 +7,8 @@ import pytest
 from stlc.api import loads
 from stlc.errors import InfeasibleError
 from stlc.mission import Mission
-from stlc.solve.driver import Outcome, SolveSettings, solve_mission
+from stlc.solve.driver import solve_mission
+from stlc.solve.outcome import Outcome, SolveSettings
 
 HEAD = """
 step 1 s

@@ -9,7 +9,8 @@ import pytest
 
 from stlc.api import loads
 from stlc.milp.compile import CompileOptions
-from stlc.solve.driver import Outcome, SolveSettings, solve_mission
+from stlc.solve.driver import solve_mission
+from stlc.solve.outcome import Outcome, SolveSettings
 
 SPACE = "step 1 s\nhorizon {horizon}\nworkspace box [0, 10] x [0, 10]\n"
 CART = "agent a : double_integrator {{ start {start}; control |u| <= 1; speed <= 2\n{more} }}\n"

@@ -8,7 +8,8 @@ import pytest
 
 from stlc.api import load
 from stlc.milp.encodings import compile_options
-from stlc.solve.driver import Outcome, SolveSettings, solve_mission
+from stlc.solve.driver import solve_mission
+from stlc.solve.outcome import Outcome, SolveSettings
 
 FILE = Path(__file__).parents[2] / "benchmarks" / "missions" / "two_agents_t4.stl"
 OPTIMUM = 3.920807  # by all of them, gap 1e-4

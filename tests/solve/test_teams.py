@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import os
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from stlc.arrays import Bools, Floats
 from stlc.backends.base import Progress, SolveOptions, Status
 from stlc.errors import InfeasibleError
 from stlc.milp.compile import Compiled, compile_mission
-from stlc.solve.bounders import team as teamtree
+from stlc.solve import tuning
 from stlc.solve.bounders.agreement import Agreement, no_prices
 from stlc.solve.bounders.shares import coarsened
 from stlc.solve.relaxation.costs import Touching
@@ -79,10 +80,8 @@ def test_same_optimum_by_branching_alone(
     seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Prices from merged cells; next to nothing goes to the solver before it is small."""
-    for name, value in (
-        ("_COARSE", 4), ("LEAF_PAIRS", 60), ("OPEN_LEAF_PAIRS", 20), ("DIVE_PAIRS", 60),
-    ):  # fmt: skip
-        monkeypatch.setattr(teamtree, name, value)
+    small = replace(tuning.TEAM, coarse_cells=4, leaf_pairs=60, open_leaf_pairs=20, dive_pairs=60)
+    monkeypatch.setattr(tuning, "TEAM", small)
     compiled = _compiled(tmp_path, seed, Variant(agents=3, steps=3, cells=4))
     backend = backends.get("highs")
     plain = backend.solve(compiled.model, SolveOptions(gap=1e-6))

@@ -21,14 +21,12 @@ from stlc.errors import InfeasibleError, SolverError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.milp.model import Block, Model, Origin
 from stlc.mission import TermKind
+from stlc.solve import tuning
 from stlc.solve.alone.project import project
 from stlc.solve.alone.run import LoneRun, Run
 from stlc.solve.strategy import Work
 
 _SLACK = 1e-6  # relative: solvers satisfy rows to within about this
-_MOST = 20.0  # s for one agent, and no more than a share of the time limit
-_SHARE = 0.1
-_LEAST = 1.0  # s
 _NEEDED = Capability.TIME_LIMIT | Capability.GAP
 
 
@@ -37,7 +35,7 @@ def has_lone_runs(work: Work) -> bool:
     mission = work.compiled.mission
     kinds = {term.kind for term in mission.objective if term.weight != 0}
     team = len(mission.agents) > 1 and kinds == {TermKind.EFFORT}
-    return team and work.can(_NEEDED) and work.deadline.left >= _LEAST
+    return team and work.can(_NEEDED) and work.deadline.left >= tuning.LONE.least
 
 
 def lone_runs(work: Work) -> tuple[LoneRun, ...]:
@@ -63,7 +61,7 @@ def _alone(work: Work, name: str) -> LoneRun | None:
 
 def brief(work: Work, gap: float) -> SolveOptions:
     """Options of a solve on the way: a small share of the time, nothing reported."""
-    asked = work.deadline.share(_SHARE, _MOST).bind(work.options)
+    asked = work.deadline.share(tuning.LONE.share, tuning.LONE.seconds).bind(work.options)
     return replace(asked, gap=gap, start=None, on_progress=None)
 
 

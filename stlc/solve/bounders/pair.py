@@ -14,6 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stlc.arrays import Floats
+from stlc.solve import tuning
 from stlc.solve.bounders.joint import Joint
 from stlc.solve.bounders.pair_bounds import MARGIN, Tightener
 from stlc.solve.bounders.pair_node import Node, with_cut, with_part
@@ -22,13 +23,6 @@ from stlc.solve.restricted.session import Session
 from stlc.solve.states.layers import Layer, Maker, rate_borders
 from stlc.solve.states.tubes import tubes
 from stlc.solve.tree import Expansion, branch_and_bound
-
-BINS = 2  # of the rate along each axis
-LEAF_PAIRS = 700  # cell pairs that go to the solver when no choice is left
-OPEN_LEAF_PAIRS = 200  # and when there is
-DIVE_PAIRS = 4000  # with so many left it is worth looking for better plans
-MOST_STATES = 500_000  # pairs of states: more are too slow for an ascent
-OPEN_MOST_STATES = 200_000  # and where a choice is open
 
 
 class Search:
@@ -67,7 +61,10 @@ class Search:
 
     def _maker(self, n: int, taken: tuple[int, ...]) -> Maker:
         body = self.bodies[n]
-        rates = (rate_borders(body.axes[0], BINS), rate_borders(body.axes[1], BINS))
+        rates = (
+            rate_borders(body.axes[0], tuning.PAIR.rate_bins),
+            rate_borders(body.axes[1], tuning.PAIR.rate_bins),
+        )
         return Maker(self.problem, body, self.tubes[n], taken, rates)
 
     # -- plans --------------------------------------------------------------------------------
@@ -117,7 +114,7 @@ class Search:
             return Expansion(closed=max(node.bound, session.cutoff))
         if session.stopped():
             return Expansion((node,))
-        most = OPEN_LEAF_PAIRS if node.has_open_choice else LEAF_PAIRS
+        most = tuning.PAIR.open_leaf_pairs if node.has_open_choice else tuning.PAIR.leaf_pairs
         if node.count > most and (node.has_open_choice or self.tools.cut(node)):
             return Expansion(tuple(self._branch(node)))
         lower, upper = self.tools.bounds(node)
@@ -134,10 +131,12 @@ class Search:
             self._polish(10.0)
             if not tools.programme(node):
                 return False
-        many = node.pairs_of_states > (OPEN_MOST_STATES if node.has_open_choice else MOST_STATES)
+        many = node.pairs_of_states > (
+            tuning.PAIR.open_most_states if node.has_open_choice else tuning.PAIR.most_states
+        )
         if self.session.stopped() or many:
             return True
-        return tools.ascend(node) and (node.count < DIVE_PAIRS or self._dive(node))
+        return tools.ascend(node) and (node.count < tuning.PAIR.dive_pairs or self._dive(node))
 
     def _dive(self, node: Node) -> bool:
         """Plans near the best abstract run, once in a while; False when that closes the node."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stlc.arrays import Bools, Floats
+from stlc.solve import tuning
 from stlc.solve.bounders.arcs import Arcs
 from stlc.solve.bounders.ascent import ascend
 from stlc.solve.bounders.cuts import best_cut
@@ -16,7 +17,6 @@ from stlc.solve.restricted.session import Session
 from stlc.solve.states.layers import cells_of, restrict, sloped
 
 MARGIN = 1e-6
-_ROUNDS = 12  # of an ascent
 
 
 class Tightener:
@@ -58,7 +58,7 @@ class Tightener:
         if arcs.empty:
             node.bound = np.inf
             return False
-        ascend(arcs, self._heat(node), _ROUNDS)
+        ascend(arcs, self._heat(node), tuning.PAIR.ascent_rounds)
         least, through = arcs.through()
         node.bound = max(node.bound, least + self.problem.rest - MARGIN)
         if node.bound >= self.session.cutoff:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stlc.arrays import Bools, Floats, Ints
+from stlc.solve import tuning
 from stlc.solve.bounders.agreement import Agreement, Pair, Prices, no_prices
 from stlc.solve.bounders.prices import blocks, masked, prices_of_finer_cells, sliced
 from stlc.solve.bounders.shares import coarsened
@@ -24,23 +25,7 @@ from stlc.solve.states.layers import Layer, Maker, cells_of, rate_borders, restr
 from stlc.solve.states.tubes import tubes
 from stlc.solve.tree import Expansion, branch_and_bound
 
-LEAF_PAIRS = 2500  # cell pairs that go to the solver when no choice is left
-OPEN_LEAF_PAIRS = 900  # and when there is
-DIVE_PAIRS = 1000
-_COARSE = 144  # cells
-_BINS = 2  # of the rate, at nodes without a choice
-_COARSE_ROUNDS, _ROOT_ROUNDS, _ROUNDS = 12, 30, 8
-_MOMENTUM = 0.7
-_FIRST = 0.02  # of the bound: the first step of the potentials
-_LATER = 0.05  # of the gap
-_CLIMB_SECONDS = 20.0
-_LEAF_SECONDS = 30.0
-_DIVE_SECONDS = 8.0
-_FINE = 60_000  # pairs of states at a step: more are not refined
 _POINT = 1e-6  # m
-_POLISH_SECONDS = 10.0
-_EVERY = 8  # nodes between plunges
-_CUT = 0.75  # of the gap, while plunging
 
 Taken = tuple[tuple[int, ...], ...]
 
@@ -80,11 +65,11 @@ class Node:
 def climb(agreement: Agreement, rounds: int, session: Session, cutoff: float, whole: bool) -> None:
     """Sweeps and steps of the potentials. Ends early above the cutoff and when stopped, after a
     forward sweep. `whole`: what is found is a bound on all plans."""
-    last, until = agreement.prepare(), session.seconds + _CLIMB_SECONDS
-    gap = _LATER * (cutoff - last) if np.isfinite(cutoff) else np.inf
+    last, until = agreement.prepare(), session.seconds + tuning.TEAM.climb_seconds
+    gap = tuning.TEAM.later_step * (cutoff - last) if np.isfinite(cutoff) else np.inf
     if whole:
         session.raise_bound(min(last, session.cutoff))
-    step = min(gap, _FIRST * abs(last)) / max(1, len(agreement.pairs))
+    step = min(gap, tuning.TEAM.first_step * abs(last)) / max(1, len(agreement.pairs))
     direction: dict[Pair, Floats] = {}
     for k in range(rounds):
         value = agreement.forward(cutoff)
@@ -96,8 +81,8 @@ def climb(agreement: Agreement, rounds: int, session: Session, cutoff: float, wh
         step *= 1.1 if value - last > 0.2 * step * len(agreement.pairs) else 0.75
         last, change = value, {}
         for p in agreement.pairs:
-            direction[p] = agreement.slopes(p) + _MOMENTUM * direction.get(p, 0.0)
-            size = float((direction[p] ** 2).sum()) * (1 - _MOMENTUM)
+            direction[p] = agreement.slopes(p) + tuning.TEAM.momentum * direction.get(p, 0.0)
+            size = float((direction[p] ** 2).sum()) * (1 - tuning.TEAM.momentum)
             change[p] = step / max(size, 1e-9) * direction[p]
         agreement.move(change)
         agreement.backward()
@@ -127,12 +112,12 @@ class Tree:
         taken = tuple(t.possible for t in self.tubes)
         if not all(taken):
             return None
-        coarse = coarsened(self.problem, _COARSE)
+        coarse = coarsened(self.problem, tuning.TEAM.coarse_cells)
         rows = self._layers(coarse, taken, 1)
         node = Node(-np.inf, taken, rows, no_prices(list(coarse.pairs), rows), None)
         if coarse is self.problem or node.empty:
             return node
-        self._tighten(node, _COARSE_ROUNDS, coarse, np.inf)
+        self._tighten(node, tuning.TEAM.coarse_rounds, coarse, np.inf)
         fine = self._layers(self.problem, taken, 1)
         host = blocks(self.problem, coarse)
         prices = prices_of_finer_cells(node.prices, node.rows, fine, host)
@@ -151,24 +136,29 @@ class Tree:
         """Tighten; close what is settled, give small nodes to the solver, split the rest."""
         session, first = self.session, node.masks is None
         session.nodes, self.visited = session.nodes + 1, self.visited + 1
-        rounds = _ROOT_ROUNDS if first else _ROUNDS
+        rounds = tuning.TEAM.root_rounds if first else tuning.TEAM.rounds
         agreement = self._tighten(node, rounds, self.problem, session.cutoff)
         if agreement is None:
             return Expansion(closed=max(node.bound, session.cutoff))
         if session.stopped():
             return Expansion((node,))
-        if not node.has_open_choice and node.bins < _BINS and node.size <= _FINE:
-            self._refine(node, _BINS)
+        if (
+            not node.has_open_choice
+            and node.bins < tuning.TEAM.rate_bins
+            and node.size <= tuning.TEAM.fine_states
+        ):
+            self._refine(node, tuning.TEAM.rate_bins)
             return Expansion((node,))
         if (
-            self._count(node) <= (OPEN_LEAF_PAIRS if node.has_open_choice else LEAF_PAIRS)
+            self._count(node)
+            <= (tuning.TEAM.open_leaf_pairs if node.has_open_choice else tuning.TEAM.leaf_pairs)
             and not node.tried
         ):
-            node.bound = max(node.bound, self._solve(node, _LEAF_SECONDS))
+            node.bound = max(node.bound, self._solve(node, tuning.TEAM.leaf_seconds))
             if node.bound >= session.cutoff:
                 return Expansion(closed=node.bound)
             node.tried = True
-        elif self.visited % _EVERY == 1:
+        elif self.visited % tuning.TEAM.plunge_every == 1:
             self._plunge(node, agreement)
             self._polish()
         return self._branch(node)
@@ -232,24 +222,24 @@ class Tree:
         part = replace(part, rows=list(part.rows))
         session = self.session
         top = min(session.cutoff, node.bound + abs(node.bound) + 1.0)
-        if self._tighten(part, _ROUNDS, self.problem, top) is None:
+        if self._tighten(part, tuning.TEAM.rounds, self.problem, top) is None:
             return
         parts = [part]
-        while self._count(parts[-1]) > DIVE_PAIRS and not session.stopped():
+        while self._count(parts[-1]) > tuning.TEAM.dive_pairs and not session.stopped():
             part = replace(parts[-1], rows=list(parts[-1].rows))
-            top = part.bound + _CUT * (top - part.bound)
+            top = part.bound + tuning.TEAM.plunge_cut * (top - part.bound)
             if self._tighten(part, 2, self.problem, top) is None:
                 break
             parts.append(part)
-        before, until = session.value, session.seconds + _DIVE_SECONDS
+        before, until = session.value, session.seconds + tuning.TEAM.dive_seconds
         for part in reversed(parts):
             if session.value < before or session.seconds > until or session.stopped():
                 return
-            self._solve(part, _DIVE_SECONDS)
+            self._solve(part, tuning.TEAM.dive_seconds)
 
     def _polish(self) -> None:
         """Free two agents at a time around the incumbent, until all pairs bring nothing."""
-        session, until = self.session, self.session.seconds + _POLISH_SECONDS
+        session, until = self.session, self.session.seconds + tuning.TEAM.polish_seconds
         cell = min(float(np.diff(e).max()) for e in self.problem.edges)
         agents = len(self.problem.bodies)
         idle = 0
@@ -257,7 +247,9 @@ class Tree:
             if session.value >= self._polished or idle == agents * (agents - 1) // 2:
                 self._polished = session.value
                 return
-            better = session.around(next(self._free), 0.7 * cell, _DIVE_SECONDS / 2, 1e-3)
+            better = session.around(
+                next(self._free), 0.7 * cell, tuning.TEAM.dive_seconds / 2, 1e-3
+            )
             idle = 0 if better else idle + 1
 
     def _taken_by(self, n: int, agreement: Agreement, own: tuple[int, ...]) -> int:

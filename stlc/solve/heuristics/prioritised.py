@@ -14,6 +14,7 @@ from stlc.arrays import Floats
 from stlc.errors import InfeasibleError, SolverError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.milp.model import Model
+from stlc.solve import tuning
 from stlc.solve.alone.bounds import bounded, brief, least
 from stlc.solve.alone.project import project
 from stlc.solve.alone.run import Run
@@ -21,13 +22,7 @@ from stlc.solve.certify import continuous_part
 from stlc.solve.mip_start import hold
 from stlc.solve.strategy import Strategy, Work
 
-_MANY = 4  # agents: two of fewer are nearly the whole
-_FAR = 0.1  # relative: a plan so far off is worth another one
-_NEAR = 0.02  # and from here on the solver finds the rest soon
-_ROUGH = 0.05  # gap of a run that will be bettered later
 _LOOSE = 1e-5  # of a run that is held: well above the tolerance of solvers, or they stumble
-_SHARE = 0.3  # of the time limit
-_MOST = 60.0  # s
 
 
 class Joint:
@@ -36,8 +31,8 @@ class Joint:
     def __init__(self, work: Work) -> None:
         self.work, self.compiled, self.lone = work, work.compiled, work.lone
         self.backend, self.gap = work.backend, work.options.gap
-        self.deadline = work.deadline.share(_SHARE, _MOST)
-        self.budget = min(_MOST, _SHARE * work.deadline.left)
+        self.deadline = work.deadline.share(tuning.JOIN.share, tuning.JOIN.seconds)
+        self.budget = min(tuning.JOIN.seconds, tuning.JOIN.share * work.deadline.left)
         self.aim = least(work.compiled, work.lone)
         self.alone = {one.agent: one.run for one in work.lone if one.run is not None}
         self.x, self.value = work.x, work.value
@@ -47,7 +42,7 @@ class Joint:
         names = list(self.compiled.states)
         if len(self.alone) == len(names) and not self._offer(self._held(self.alone)):
             for order in (names, names[::-1]):
-                if self._is_off(_FAR) and self._cheap():
+                if self._is_off(tuning.JOIN.far) and self._cheap():
                     self._offer(self._joined(order))
         if self.x is not None:
             self._descend(names)
@@ -65,7 +60,7 @@ class Joint:
     def _descend(self, names: Sequence[str]) -> None:
         """Let one agent, then two of many, answer the others anew, for as long as that helps."""
         self._turns(combinations(names, 1))
-        if len(names) >= _MANY and self._is_off(_NEAR):
+        if len(names) >= tuning.JOIN.many and self._is_off(tuning.JOIN.near):
             self._turns(combinations(names, 2))
 
     def _is_off(self, share: float) -> bool:
@@ -120,12 +115,12 @@ class Joint:
         runs = {order[0]: self.alone[order[0]]}
         for k, name in enumerate(order[1:-1], start=2):
             team = self._team(order[:k])
-            x = None if team is None else self._solve(hold(team, runs, _LOOSE), _ROUGH)
+            x = None if team is None else self._solve(hold(team, runs, _LOOSE), tuning.JOIN.rough)
             if team is None or x is None:
                 return None
             found = team.decode(x)
             runs[name] = found.states[name], found.inputs[name]
-        return self._held(runs, _ROUGH)
+        return self._held(runs, tuning.JOIN.rough)
 
     def _team(self, names: Iterable[str]) -> Compiled | None:
         mission = project(self.compiled.mission, tuple(names), self.compiled.channels)

@@ -1,0 +1,93 @@
+"""Every number of the searches that was chosen by measuring, one frozen record a search.
+
+Tolerances are no tuning: they stand where they are used. Read the records as `tuning.PAIR` and so
+on, so that `benchmarks/tuning.py` can vary them: it halves and doubles each number over the
+missions named there and prints what that does to processor time, plans and bounds. What it found
+is said beside each number; "flat" is within its noise of 10 %.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Brief:
+    """`strategies.py`: one plain solve of a small team model, before any search."""
+
+    columns: int = 1500
+    seconds: float = 1.0
+    share: float = 0.1  # of the time limit
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """`bounders/pair.py`: two agents."""
+
+    rate_bins: int = 2  # of the rate along each axis
+    leaf_pairs: int = 700  # cell pairs that go to the solver when no choice is open
+    open_leaf_pairs: int = 200  # and when one is
+    dive_pairs: int = 4000  # so few left are worth a look for better plans
+    most_states: int = 500_000  # pairs of states: more are too slow for an ascent
+    open_most_states: int = 200_000  # and where a choice is open
+    ascent_rounds: int = 12
+
+
+@dataclass(frozen=True, slots=True)
+class Team:
+    """`bounders/team.py`: more than two agents."""
+
+    leaf_pairs: int = 2500  # cell pairs that go to the solver when no choice is open
+    open_leaf_pairs: int = 900  # and when one is
+    dive_pairs: int = 1000  # where a plunge ends
+    coarse_cells: int = 144  # of the merged grid on which the first prices are found
+    rate_bins: int = 2  # at nodes without a choice
+    coarse_rounds: int = 12  # of prices
+    root_rounds: int = 30
+    rounds: int = 8
+    momentum: float = 0.7
+    first_step: float = 0.02  # of the bound: the first step of the potentials
+    later_step: float = 0.05  # of the gap
+    climb_seconds: float = 20.0
+    leaf_seconds: float = 30.0
+    dive_seconds: float = 8.0
+    polish_seconds: float = 10.0
+    fine_states: int = 60_000  # pairs of states at a step: more are not refined
+    plunge_every: int = 8  # nodes
+    plunge_cut: float = 0.75  # of the gap, while plunging
+
+
+@dataclass(frozen=True, slots=True)
+class Dive:
+    """`heuristics/dive.py`: a run at the static robustness bound."""
+
+    first_limit: float = 30.0  # LPs before the first restart, at least
+    per_choice: float = 1.5  # and so many for each disjunction, to reach the bottom of a dive
+    granted: int = 4  # dives that are always made
+    growth: float = 1.1  # of the limit at each restart
+    glance_lps: float = 40.0  # of dives before the first restart, at least
+    glance_share: float = 0.5  # and of that limit
+
+
+@dataclass(frozen=True, slots=True)
+class Lone:
+    """`alone/bounds.py`: one agent of a team alone."""
+
+    seconds: float = 20.0  # at most for each
+    share: float = 0.1  # of the time that is left
+    least: float = 1.0  # s: with less time than that it is left out
+
+
+@dataclass(frozen=True, slots=True)
+class Join:
+    """`heuristics/prioritised.py`: runs alone joined to plans."""
+
+    share: float = 0.3  # of the time that is left
+    seconds: float = 60.0  # at most
+    many: int = 4  # agents: two of fewer are nearly the whole team
+    far: float = 0.1  # relative: a plan so far off is worth another one
+    near: float = 0.02  # and from here on the solver finds the rest soon
+    rough: float = 0.05  # gap of a run that will be bettered later
+
+
+BRIEF, PAIR, TEAM, DIVE, LONE, JOIN = Brief(), Pair(), Team(), Dive(), Lone(), Join()
