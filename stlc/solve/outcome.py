@@ -74,7 +74,6 @@ class Outcome:
             "certified": bool(self.plan.certificate),
             "verified": self.report.ok,
             "notes": list(self.report.notes),
-            "notes": list(self.report.notes),
             "robustness": {r.name: r.robustness for r in self.plan.requirements},
             "ignored": list(self.solution.ignored),
             "confirmation": self.confirmation,
