@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     help="The model, by its ending: .lp, .mps, .lp.gz or .mps.gz.",
 )
 @click.option("--encoding", default="auto", show_default=True, help="See `stlc encodings`.")
+@click.option(
+    "--max-size", type=click.IntRange(1), metavar="PARTS", help="Build models up to this size."
+)
 @click.option("--disable", multiple=True, metavar="PASS", help="Leave a pass out (ablation).")
 @click.option(
     "--print-after",
@@ -40,6 +43,7 @@ def compile_command(
     allow_path: tuple[Path, ...],
     output: Path | None,
     encoding: str,
+    max_size: int | None,
     disable: tuple[str, ...],
     print_after: tuple[str, ...],
     stats: bool,
@@ -57,7 +61,7 @@ def compile_command(
     mission = load(file, define, allow_path)
     check_outputs(output)
     compiled = compiled_model(
-        mission, compile_options(encoding, disable, print_after, partial(_show, as_json))
+        mission, compile_options(encoding, disable, print_after, partial(_show, as_json), max_size)
     )
     if output is not None:
         from stlc.milp.writers import write_model

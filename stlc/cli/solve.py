@@ -34,6 +34,9 @@ _EXPLAIN = 20.0  # s for all solves that look for a conflict
 @mission_options
 @click.option("--backend", default="highs", show_default=True, help="See `stlc backends`.")
 @click.option("--encoding", default="auto", show_default=True, help="See `stlc encodings`.")
+@click.option(
+    "--max-size", type=click.IntRange(1), metavar="PARTS", help="Build models up to this size."
+)
 @click.option("--disable", multiple=True, metavar="PASS", help="Leave a pass out (ablation).")
 @click.option("--strategy", type=click.Choice(["auto", "milp"]), default="auto", show_default=True,
               help="`milp`: one solve of the compiled model, no bounding ahead of it.")  # fmt: skip
@@ -109,7 +112,7 @@ def _settings(mission: Mission, words: dict[str, Any]) -> SolveSettings:
         raise click.UsageError("--shift needs --start")
     if start is not None and words["shift"]:
         start = shifted(start, words["shift"], mission.agents)
-    options = compile_options(words["encoding"], words["disable"])
+    options = compile_options(words["encoding"], words["disable"], max_size=words["max_size"])
     return SolveSettings(
         words["backend"], options, words["strategy"], words["time_limit"], words["gap"],
         words["threads"], words["seed"], start, words["confirm"], words["output"],

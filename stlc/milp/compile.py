@@ -12,6 +12,7 @@ from stlc.analysis.goals import Goal, level_of
 from stlc.analysis.link_tables import LinkTables
 from stlc.analysis.ranges import Ranges
 from stlc.analysis.reach import reach
+from stlc.analysis.sizes import MOST_PARTS, check_size
 from stlc.analysis.stages import find_stages
 from stlc.arrays import Floats, Ints
 from stlc.channels import ChannelTables
@@ -44,7 +45,8 @@ class CompileOptions:
     """How to compile.
 
     `stl` and `link` name encodings ("auto" chooses by structure); `print_after` names passes whose
-    result goes to `show(name, text)`, "all" for every one.
+    result goes to `show(name, text)`, "all" for every one. `max_size` bounds the parts of the
+    model, as `analysis/sizes.py` counts them.
     """
 
     stl: str = "auto"
@@ -52,6 +54,7 @@ class CompileOptions:
     disabled_passes: frozenset[str] = frozenset()
     print_after: frozenset[str] = frozenset()
     show: Callable[[str, str], None] = _silent
+    max_size: int = MOST_PARTS
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,11 +108,13 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     """Compile.
 
     Raises InfeasibleError where the analysis proves that no run exists, UsageError for an unknown
-    option, MissionError (located) for recorded signals and for numbers that no solver can take.
+    option, MissionError (located) for recorded signals, for numbers that no solver can take and for
+    a model beyond `options.max_size`.
     """
     options = options or CompileOptions()
     began = time.perf_counter()
     check_controlled(mission)
+    check_size(mission, options.max_size)
     tables = LinkTables(mission)
     program = Program(mission.requirements, mission, reach(mission), tables)
     program, passes = run_pipeline(

@@ -46,10 +46,13 @@ def compile_options(
     disabled: Iterable[str] = (),
     print_after: Iterable[str] = (),
     show: Callable[[str, str], None] | None = None,
+    max_size: int | None = None,
 ) -> CompileOptions:
     """CompileOptions from what a person gives. Raises UsageError for unknown names."""
     stl, link = parse_encoding(encoding)
     options = CompileOptions(stl, link, frozenset(disabled), frozenset(print_after))
+    if max_size is not None:
+        options = replace(options, max_size=max_size)
     return options if show is None else replace(options, show=show)
 
 

@@ -70,6 +70,7 @@ def load_all_diagnostics() -> None:
         "stlc.sema.warnings",
         "stlc.dialects.errors",
         "stlc.analysis.doubles",
+        "stlc.analysis.sizes",
         "stlc.milp.big_m",
         "stlc.milp.unsolvable",
     ):

@@ -1,0 +1,111 @@
+"""How large the model of a mission would be, before anything is built.
+
+The size counts states and inputs over the horizon, and the nodes of the unrolled formulas: a node
+at each step at which it is needed, a window of w steps with w parts where it is needed once and
+log2 w where steps share its parts (see `passes/unroll.py`).
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from stlc.diagnostics import Diagnostic
+from stlc.errors import MissionError
+from stlc.ir.nodes import Always, Eventually, Node, Release, Timed, Until
+from stlc.ir.requirement import Requirement
+from stlc.ir.rewrite import postorder
+from stlc.mission import Mission
+
+MOST_PARTS = 200_000
+"""Some minute to compile: the 70 000 parts of an `until` over 800 steps took 11 s."""
+
+_DIRECT = 8  # windows up to this many steps are written out
+
+
+class TooLargeModel(Diagnostic):
+    """The model of a mission would be larger than can be built in reasonable time.
+
+    Its size counts the agents' states and inputs and the parts of all formulas, at every step.
+    `stlc compile --max-size N` and `stlc solve --max-size N` raise the limit.
+    """
+
+    code: ClassVar[str] = "E0806"
+    title: ClassVar[str] = "the model would have {size:,} parts, more than {limit:,}"
+    label: ClassVar[str] = "{own:,} of them are of this"
+    help: ClassVar[str] = (
+        "use a longer `step` or shorter intervals, or raise the limit: `--max-size {size}`"
+    )
+    size: int
+    limit: int
+    own: int
+
+
+def check_size(mission: Mission, limit: int = MOST_PARTS) -> None:
+    """Raise MissionError at what is largest where the model would be larger than the limit."""
+    shares = [(formula_size(r, mission.horizon), r.span) for r in mission.requirements]
+    for agent in mission.agents.values():
+        shares.append(((mission.horizon + 1) * sum(agent.dynamics.B.shape), agent.span))
+    size = sum(count for count, _ in shares)
+    if size <= limit:
+        return
+    own, span = max(shares, key=lambda share: share[0])
+    raise MissionError([TooLargeModel(span=span, size=size, limit=limit, own=own)])
+
+
+def formula_size(requirement: Requirement, horizon: int) -> int:
+    """Parts of one unrolled formula."""
+    steps = _needed(requirement.formula, horizon)
+    return sum(mask.bit_count() * _parts(node, mask, horizon) for node, mask in steps.items())
+
+
+def _needed(root: Node, horizon: int) -> dict[Node, int]:
+    """Steps at which each node is needed, as bits."""
+    order = list(postorder([root]))
+    within = (1 << (horizon + 1)) - 1
+    steps = dict.fromkeys(order, 0)
+    steps[root] = 1
+    for node in reversed(order):
+        here = steps[node]
+        for child, first, last in _windows(node, horizon):
+            steps[child] |= _spread(here, first, last) & within
+        for t, child in enumerate(node.cases if isinstance(node, Timed) else ()):
+            final = t == len(node.children) - 1
+            steps[child] |= (here >> t << t) if final else here & (1 << t)
+    return steps
+
+
+def _windows(node: Node, horizon: int) -> list[tuple[Node, int, int]]:
+    """Sub-formulas, with the first and last step after the present at which they are needed."""
+    match node:
+        case Timed():
+            return []
+        case Always(start=a, end=b) | Eventually(start=a, end=b):
+            return [(node.arg, a, horizon if b is None else b)]
+        case Until(start=a, end=b) | Release(start=a, end=b):
+            end = horizon if b is None else b
+            return [(node.left, 0, end), (node.right, a, end)]
+    return [(child, 0, 0) for child in node.children]
+
+
+def _spread(steps: int, first: int, last: int) -> int:
+    """All t + k for t in `steps` and first <= k <= last, by doubling."""
+    out, width, wanted = steps << first, 1, last - first + 1
+    while width < wanted:
+        more = min(width, wanted - width)
+        out |= out << more
+        width += more
+    return out
+
+
+def _parts(node: Node, steps: int, horizon: int) -> int:
+    """Parts of a node at one of its steps."""
+    if not isinstance(node, Always | Eventually | Until | Release):
+        return max(len(node.children), 1) if not isinstance(node, Timed) else 1
+    count = steps.bit_count()
+    end = horizon if node.end is None else node.end
+    width = max(end - node.start + 1, 1)
+    shared = count > 1 and width > _DIRECT and node.end is not None
+    if not shared and node.end is None:
+        width = max(width - count // 2, 1)  # ever shorter towards the end
+    parts = width.bit_length() if shared else width
+    return parts if isinstance(node, Always | Eventually) else 6 * parts  # three pairs
