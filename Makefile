@@ -1,29 +1,65 @@
 # Everything a person or CI does, from a clean clone: each target sets up what it needs.
+# It takes Python 3.11 or later and pip, nothing else; another Python by `make PYTHON=python3.12 ...`.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
+LOWEST := .venv-lowest
+NEWEST := .venv-newest
 OUT := out
 
+PIP := -m pip install --quiet --disable-pip-version-check
+PYTEST := -m pytest -q -n 2 --dist loadfile
+FAST := $(PYTEST) -m 'not slow'
+export OPENBLAS_NUM_THREADS := 1
+export HYPOTHESIS_PROFILE ?= ci
+
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-full lint types format bench clean
+.PHONY: help demo test test-fast test-full test-lowest test-newest coverage lint types format \
+	bench pins clean
 
 help: ## list the targets
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 $(STAMP): pyproject.toml constraints.txt
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[all,test]'
+	@$(call venv,$(VENV))
+	$(BIN)/python $(PIP) -c constraints.txt -e '.[all,test]'
 	@touch $@
 
+$(LOWEST)/.installed: pyproject.toml constraints-lowest.txt
+	@$(call venv,$(LOWEST))
+	$(LOWEST)/bin/python $(PIP) -c constraints-lowest.txt -e '.[all,test]'
+	@touch $@
+
+# An environment in the folder $(1), by a Python that is recent enough.
+define venv
+$(PYTHON) -c 'import sys; sys.version_info >= (3, 11) or sys.exit("stlc needs Python 3.11 or later, \
+	and $(PYTHON) is " + sys.version.split()[0] + "; try: make PYTHON=python3.12 ...")' \
+	&& echo "$(PYTHON) -m venv $(1)" && $(PYTHON) -m venv $(1)
+endef
+
 demo: $(STAMP) ## solve the paper's case and the flat; plans and pictures go to out/
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python examples/demo.py --out $(OUT)
+	$(BIN)/python examples/demo.py --out $(OUT)
 
 test: $(STAMP) ## run all tests (reduced hypothesis profile)
-	OPENBLAS_NUM_THREADS=1 HYPOTHESIS_PROFILE=ci $(BIN)/python -m pytest -q -n 2 --dist loadfile
+	$(BIN)/python $(PYTEST)
+
+test-fast: $(STAMP) ## run the tests that take no more than a moment each
+	$(BIN)/python $(FAST)
 
 test-full: $(STAMP) ## run all tests with the full hypothesis profile
-	OPENBLAS_NUM_THREADS=1 HYPOTHESIS_PROFILE=full $(BIN)/python -m pytest -q -n 2 --dist loadfile
+	HYPOTHESIS_PROFILE=full $(BIN)/python $(PYTEST)
+
+test-lowest: $(LOWEST)/.installed ## run the fast tests with the lowest versions that we declare
+	$(LOWEST)/bin/python $(FAST)
+
+test-newest: ## run the fast tests with today's newest versions of everything
+	@$(call venv,$(NEWEST))
+	$(NEWEST)/bin/python $(PIP) --upgrade --upgrade-strategy eager -e '.[all,test]'
+	$(NEWEST)/bin/python $(FAST)
+
+coverage: $(STAMP) ## run the fast tests, print how much of the code they reach
+	$(BIN)/python $(FAST) --cov --cov-report=term:skip-covered
 
 lint: $(STAMP) ## ruff: style and formatting
 	$(BIN)/ruff check .
@@ -40,5 +76,13 @@ bench: $(STAMP) ## the benchmark suites that take minutes, with their report
 	$(BIN)/stlc bench --quick --store $(OUT)/bench.sqlite
 	$(BIN)/stlc bench report --store $(OUT)/bench.sqlite -o $(OUT)/bench.html --csv $(OUT)/bench.csv
 
+RESOLVE := pip compile --quiet --upgrade --no-header --no-annotate --python-version 3.11 \
+	--extra all --extra test pyproject.toml
+
+pins: $(STAMP) ## resolve both constraints files anew: today's newest, and our lowest
+	$(BIN)/python $(PIP) uv
+	$(BIN)/uv $(RESOLVE) -o constraints.txt
+	$(BIN)/uv $(RESOLVE) --resolution lowest-direct -o constraints-lowest.txt
+
 clean: ## remove what make made
-	rm -rf $(VENV) $(OUT)
+	rm -rf $(VENV) $(LOWEST) $(NEWEST) $(OUT)

@@ -1,7 +1,12 @@
-"""Hypothesis profiles: `ci` is reduced, `full` gives the figures of `make test-full`."""
+"""Hypothesis profiles, and which tests are slow.
+
+The profile `ci` is reduced, `full` gives the figures of `make test-full`.
+"""
 
 import os
+from pathlib import Path
 
+import pytest
 from hypothesis import HealthCheck, settings
 
 _QUIET = [HealthCheck.too_slow, HealthCheck.data_too_large]
@@ -11,3 +16,17 @@ settings.register_profile(
 )
 settings.register_profile("full", max_examples=500, deadline=None, suppress_health_check=_QUIET)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
+
+# Processes of their own and whole searches: a third of the tests, most of the time.
+SLOW = (
+    "backends/test_race.py", "bench", "cli", "docs", "oracle", "solve/test_links",
+    "solve/test_parts", "solve/test_team", "tables", "test_wheel.py",
+)  # fmt: skip
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark as `slow` what lies in a slow place; single tests bear the mark themselves."""
+    here = Path(__file__).parent
+    for item in items:
+        if item.path.relative_to(here).as_posix().startswith(SLOW):
+            item.add_marker(pytest.mark.slow)

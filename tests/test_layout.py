@@ -10,7 +10,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 ALLOWED_TOP = {
     "pyproject.toml", "README.md", "stlc", "grammar", "backends", "tests", "benchmarks",
-    "examples", "docs", "Makefile", "constraints.txt", "LICENSE",
+    "examples", "docs", "Makefile", "constraints.txt", "constraints-lowest.txt", "LICENSE",
 }  # fmt: skip
 
 

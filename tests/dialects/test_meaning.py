@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import sys
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
@@ -83,8 +84,13 @@ def test_equality_of_discrete_signals_is_exact(
     assert found.robustness[:4] == pytest.approx(values, abs=3e-6)
 
 
+# rtamt 0.4 imports modules that Python 3.13 dropped; with earlier ones it must be there.
+meets_rtamt = pytest.mark.skipif(sys.version_info >= (3, 13), reason="rtamt needs Python < 3.13")
+
+
 def rtamt_robustness(text: str, signals: Mapping[str, Sequence[float]], step: float) -> list[float]:
-    rtamt = pytest.importorskip("rtamt")
+    import rtamt
+
     specification = rtamt.StlDiscreteTimeSpecification()
     for name in signals:
         specification.declare_var(name, "float")
@@ -96,6 +102,7 @@ def rtamt_robustness(text: str, signals: Mapping[str, Sequence[float]], step: fl
     return [value for _, value in rows]
 
 
+@meets_rtamt
 @given(formula=formulas(RTAMT), seed=st.integers(0, 10**6))
 def test_random_formulas_agree_with_rtamt(formula: Formula, seed: int) -> None:
     signals, text = trace(formula, seed), write(formula, RTAMT)
@@ -137,6 +144,7 @@ WRITTEN = [
 ]
 
 
+@meets_rtamt
 @pytest.mark.parametrize("text", WRITTEN)
 @pytest.mark.parametrize("whole", [False, True])
 def test_written_formulas_agree_with_rtamt(text: str, whole: bool) -> None:
