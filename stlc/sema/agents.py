@@ -172,7 +172,11 @@ def start(
     expr = props.only(item, "start (1, 1)")
     value = scope.value(expr, env)
     count = len(value.items) if isinstance(value, Items) else 1
-    if count == 2 and n != 2 and base.position is not None:
+    axes = [k for k, state in enumerate(base.states) if state in ("px", "py", "pz")]
+    if base.name in _KINDS and count == len(axes) < n:
+        full = np.zeros(n)
+        full[axes] = props.numbers(expr, scope, [METRE] * count, env)
+    elif count == 2 and n != 2 and base.position is not None:
         where = props.numbers(expr, scope, (METRE, METRE), env)
         full = np.zeros(n)
         full[[int(np.argmax(row)) for row in base.position]] = where

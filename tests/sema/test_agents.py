@@ -174,3 +174,20 @@ def test_a_speed_needs_a_velocity() -> None:
     )
     with pytest.raises(MissionError, match="needs dynamics that name their velocity"):
         loads(text)
+
+
+@pytest.mark.parametrize(
+    ("dimensions", "start", "state"),
+    [
+        (1, "2", [2, 0]),
+        (1, "(2, 1)", [2, 1]),
+        (2, "(1, 2)", [1, 2, 0, 0]),
+        (3, "(1, 2, 3)", [1, 2, 3, 0, 0, 0]),
+        (3, "(1, 2, 3, 4, 5, 6)", [1, 2, 3, 4, 5, 6]),
+    ],
+)
+def test_a_start_may_be_a_position_in_every_dimension(dimensions, start, state) -> None:
+    text = f"dynamics d = double_integrator {{ dimensions {dimensions} }}\n"
+    text += f"agent r : d {{ start {start}; control |u| <= 1 }}\n"
+    text += "require a: always[0, 2] r.px >= 0 m\n"
+    assert loads(text).agents["r"].start.tolist() == state
