@@ -23,9 +23,13 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class LinkTables:
-    """A mission's channel tables as the encoders want them: by polarity, and within reach."""
+    """A mission's channel tables as the encoders want them: by polarity, and within reach.
+
+    `hopeful`: what may hold somewhere in each cell pair, in place of what surely does everywhere.
+    """
 
     mission: Mission
+    hopeful: bool = False
     channels: ChannelTables = field(init=False)
 
     def __post_init__(self) -> None:
@@ -40,7 +44,9 @@ class LinkTables:
     def robustness(self, node: Link | Not) -> Floats:
         """What surely holds of a (negated) link predicate: (n, n), or (n,) towards a station."""
         found = self.channels.thresholds(link_of(node))
-        return -found.high if isinstance(node, Not) else found.low
+        if isinstance(node, Not):
+            return -(found.low if self.hopeful else found.high)
+        return found.high if self.hopeful else found.low
 
     def bounds(self, node: Link | Not, ranges: Mapping[str, Ranges]) -> tuple[float, float]:
         """Least and greatest robustness over the cells in reach at the predicate's step."""

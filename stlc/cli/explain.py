@@ -99,10 +99,20 @@ def _show(conflict: Conflict, told: str = "") -> None:
     )
 
 
+def _remedy(several: bool, by_cells: bool) -> str:
+    if by_cells:
+        return "try a finer `partition`, or `bound mean`"
+    if several:
+        return "relax one of them, or the bounds of the agents they speak of"
+    return "relax it, or the bounds of the agents it speaks of"
+
+
 def _diagnostic(conflict: Conflict, told: str) -> Diagnostic:
     clauses = list(zip(conflict.clauses, conflict.spans, strict=True))
     several = len(clauses) > 1
     remarks = [Note(f"with this: `{c.name}`", span) for c, span in clauses[1:]]
+    if conflict.by_cells:
+        remarks.append(Note("the partition is the cause: points of its cells may have a plan"))
     if several and not conflict.minimal:
         remarks.append(Note("the set may not be minimal: some proofs hit the time limit"))
     if not told or told not in conflict.confirmation:
@@ -110,12 +120,8 @@ def _diagnostic(conflict: Conflict, told: str) -> Diagnostic:
     return ConflictingClauses(
         span=clauses[0][1],
         what=f"these {len(clauses)} clauses" if several else f"`{clauses[0][0].name}`",
-        together=" together" if several else "",
+        together=(" together" if several else "") + (" cell by cell" if conflict.by_cells else ""),
         first=f"`{clauses[0][0].name}`" if several else "cannot hold",
-        remedy=(
-            "relax one of them, or the bounds of the agents they speak of"
-            if several
-            else "relax it, or the bounds of the agents it speaks of"
-        ),
+        remedy=_remedy(several, conflict.by_cells),
         notes=tuple(remarks),
     )

@@ -20,9 +20,9 @@ from typing import TYPE_CHECKING
 from stlc import backends
 from stlc.backends.base import Solution, SolveOptions, Status
 from stlc.errors import InfeasibleError
-from stlc.ir.nodes import Always, And, Node
+from stlc.ir.nodes import Always, And, Link, Node, walk
 from stlc.ir.requirement import Requirement
-from stlc.mission import Mission
+from stlc.mission import Bound, Mission
 from stlc.solve.confirm import confirm_infeasible
 from stlc.solve.supervise import Supervisor
 
@@ -45,12 +45,14 @@ class Conflict:
     """Clauses (pieces of requirements) that cannot hold together, in the order of the file.
 
     `minimal`: without any one of them the rest was shown to be satisfiable. `confirmation` names
-    the solvers, or the interval analysis, that proved the conflict.
+    the solvers, or the interval analysis, that proved the conflict. `by_cells`: there is none
+    when link predicates hold in every cell where they may at some point.
     """
 
     clauses: tuple[Requirement, ...]
     minimal: bool
     confirmation: str
+    by_cells: bool = False
 
     @property
     def spans(self) -> tuple[Span | None, ...]:
@@ -84,7 +86,7 @@ def explain(
     if len(pieces) > len(kept) and test(pieces) is Verdict.INFEASIBLE:
         kept = pieces
     kept, minimal = _shrink(test, kept)
-    return Conflict(tuple(kept), minimal, test.confirm(kept))
+    return Conflict(tuple(kept), minimal, test.confirm(kept), test.by_cells(kept))
 
 
 def _shrink(test: _Tester, clauses: Sequence[Requirement]) -> tuple[tuple[Requirement, ...], bool]:
@@ -124,19 +126,27 @@ class _Tester:
     end: float  # time.monotonic() from which on nothing more is proven
     grace: float | None
 
-    def __call__(self, clauses: Sequence[Requirement]) -> Verdict:
+    def by_cells(self, clauses: Sequence[Requirement]) -> bool:
+        """Whether rigorous link predicates conflict for whole cells only, as far as is proven."""
+        channels = {n.channel for c in clauses for n in walk(c.formula) if isinstance(n, Link)}
+        bounds = [self.mission.channels[c].predicate_bound for c in channels]
+        if Bound.WORST not in bounds:
+            return False
+        return self(clauses, hopeful=True) is Verdict.FEASIBLE
+
+    def __call__(self, clauses: Sequence[Requirement], *, hopeful: bool = False) -> Verdict:
         from stlc.solve.blame import compile_or_blame
 
         try:
-            compiled = compile_or_blame(self._with(clauses))
+            compiled = compile_or_blame(self._with(clauses), hopeful=hopeful)
         except InfeasibleError:
             return Verdict.INFEASIBLE
         limit = min(self.time_limit, self.end - time.monotonic())
         if limit <= 0:
             return Verdict.UNKNOWN
-        backend, options = backends.get(self.backend), SolveOptions(time_limit=limit, gap=1.0)
+        backend, asked = backends.get(self.backend), SolveOptions(time_limit=limit, gap=1.0)
         work = partial(backend.solve, compiled.model)
-        answer = Supervisor(work, options, self.grace).run()
+        answer = Supervisor(work, asked, self.grace).run()
         match None if answer is None else answer.status:
             case Status.INFEASIBLE:
                 return Verdict.INFEASIBLE

@@ -46,7 +46,8 @@ class CompileOptions:
 
     `stl` and `link` name encodings ("auto" chooses by structure); `print_after` names passes whose
     result goes to `show(name, text)`, "all" for every one. `max_size` bounds the parts of the
-    model, as `analysis/sizes.py` counts them.
+    model, as `analysis/sizes.py` counts them. `hopeful` lets a link predicate hold in a cell where
+    it may at some point: no plan then means that no finer partition has one.
     """
 
     stl: str = "auto"
@@ -55,6 +56,7 @@ class CompileOptions:
     print_after: frozenset[str] = frozenset()
     show: Callable[[str, str], None] = _silent
     max_size: int = MOST_PARTS
+    hopeful: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +117,7 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     began = time.perf_counter()
     check_controlled(mission)
     check_size(mission, options.max_size)
-    tables = LinkTables(mission)
+    tables = LinkTables(mission, options.hopeful)
     program = Program(mission.requirements, mission, reach(mission), tables)
     program, passes = run_pipeline(
         program, options.disabled_passes, options.print_after, options.show

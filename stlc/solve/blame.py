@@ -14,10 +14,10 @@ from stlc.analysis.bounds import static_bounds
 from stlc.analysis.doubles import RangeLost
 from stlc.analysis.reach import reach
 from stlc.analysis.unreachable import Unreachable
-from stlc.ir.nodes import Always, And, Eventually, Link, Node, Quantity, Until
+from stlc.ir.nodes import Always, And, Eventually, Link, Node, Until, walk
 from stlc.ir.requirement import Requirement
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
-from stlc.mission import Bound, Mission
+from stlc.mission import Bound, Channel, Mission
 from stlc.source import Span
 
 _TOLERANCE = 1e-6
@@ -28,20 +28,27 @@ _LONGER = 3  # times the horizon, for the earliest possible step
 class Blame:
     """What fails: needed by step `deadline` (inclusive), possible from `earliest` (None: never).
 
-    `by_cells`: it is a link that every pair of points of two cells has to offer.
+    `by_cells`: whole cells don't offer the link in time, though points of them may; then
+    `finer` is a partition to try.
     """
 
     span: Span | None
     deadline: int
     earliest: int | None
     by_cells: bool = False
+    finer: str = ""
 
     def __str__(self) -> str:
         where = f"{self.span}: " if self.span else ""
         what = f"`{self.span.text}`" if self.span else "a part of it"
+        if self.by_cells:
+            such = f" (`{self.finer}`)" if self.finer else ""
+            return (
+                f"{where}{what} is out of reach in time for whole cells: try a finer "
+                f"`partition`{such}, or `bound mean`; at points of these cells it may hold"
+            )
         if self.earliest is None:
-            cells = " for whole cells: try a finer `partition`, or `bound mean`"
-            return f"{where}{what} is out of reach at every step{cells if self.by_cells else ''}"
+            return f"{where}{what} is out of reach at every step"
         if self.earliest <= self.deadline:
             return f"{where}{what} is out of reach together with what the others demand"
         return (
@@ -59,12 +66,15 @@ class Blamed(Unreachable):
         self.blame = blame
 
 
-def compile_or_blame(mission: Mission, options: CompileOptions | None = None) -> Compiled:
-    """Compile; a requirement that is out of reach is looked into.
+def compile_or_blame(
+    mission: Mission, options: CompileOptions | None = None, *, hopeful: bool = False
+) -> Compiled:
+    """Compile; a requirement that is out of reach is looked into. `hopeful`: see CompileOptions.
 
     Raises as `compile_mission`, with Blamed for Unreachable.
     """
     try:
+        options = replace(options or CompileOptions(), hopeful=hopeful)
         return compile_mission(mission, options)
     except Unreachable as error:
         name = error.requirement.name
@@ -89,13 +99,25 @@ class _Analysis:
         if isinstance(node, Eventually):
             last = self.mission.horizon if node.end is None else first + node.end
         found = node.span or requirement.span
-        return Blame(found, last, self._earliest(node, first), self._by_cells(node))
+        by_cells = self._by_cells(node, first)
+        finer = self._finer(node) if by_cells else ""
+        return Blame(found, last, self._earliest(node, first), by_cells, finer)
 
-    def _by_cells(self, node: Node) -> bool:
-        body = node.arg if isinstance(node, Eventually) else node
-        if not isinstance(body, Link) or body.quantity is Quantity.COST:
+    def _by_cells(self, node: Node, step: int) -> bool:
+        """Whether a part that fails for whole cells may hold at points of them."""
+        links = [n for n in walk(node) if isinstance(n, Link)]
+        if not any(self._channel(n).predicate_bound is Bound.WORST for n in links):
             return False
-        return self.mission.channels[body.channel].predicate_bound is Bound.WORST
+        return self._possible([(node, step)], self.mission, hopeful=True)[0]
+
+    def _channel(self, link: Link) -> Channel:
+        return self.mission.channels[link.channel]
+
+    def _finer(self, node: Node) -> str:
+        """The grid of the first link's channel with cells of half the width."""
+        link = next(n for n in walk(node) if isinstance(n, Link))
+        shape = self._channel(link).partition.shape
+        return "" if shape is None else f"partition {2 * shape[0]} x {2 * shape[1]}"
 
     def _failing(self, node: Node, step: int) -> tuple[Node, int, int] | None:
         """The part of a failing node that already fails, from which step, needed until when."""
@@ -125,7 +147,9 @@ class _Analysis:
         possible = self._possible([(body, t) for t in steps], mission)
         return next((t for t, may in zip(steps, possible, strict=True) if may), None)
 
-    def _possible(self, parts: Sequence[tuple[Node, int]], mission: Mission) -> list[bool]:
+    def _possible(
+        self, parts: Sequence[tuple[Node, int]], mission: Mission, *, hopeful: bool = False
+    ) -> list[bool]:
         """Whether the static upper bound of each part at its step reaches the margin."""
         from stlc.analysis.link_tables import LinkTables
         from stlc.passes import cse, horizon, nnf, unroll
@@ -136,7 +160,7 @@ class _Analysis:
         asked = tuple(
             Requirement(str(k), Eventually(parts[k][0], parts[k][1], parts[k][1])) for k in judged
         )
-        program = Program(asked, mission, reach(mission), LinkTables(mission))
+        program = Program(asked, mission, reach(mission), LinkTables(mission, hopeful))
         for step in (nnf, horizon, cse, unroll):
             program = step.run(program)
         bounds = static_bounds(program.formulas, program.ranges, None, program.link_bounds)

@@ -6,6 +6,7 @@ import pytest
 
 from stlc.api import loads
 from stlc.errors import InfeasibleError
+from stlc.explain.conflict import Conflict, explain
 from stlc.ir.nodes import Always, And, Eventually, Linear, Node, Role, Signal
 from stlc.ir.requirement import Requirement
 from stlc.mission import Mission
@@ -62,8 +63,42 @@ require talk: eventually[0, 8] rssi(a, base) >= -41 dBm
 """
 
 
+COARSE = """
+workspace box [0, 20] x [0, 20]
+agent b : single_integrator { start (2, 10); control |u| <= 1 }
+station base at (10, 10)
+channel radio {
+  path_loss L0 = -40 dBm, n = 3; fading 4 dB^2, shadowing 4 dB^2, length 2 m
+  partition 5 x 5
+}
+require link: always[0, 5] rssi(b, base) >= {level} dBm
+"""
+
+
+def test_cells_that_reach_too_far_are_blamed_with_finer_ones() -> None:
+    """-67.1 dBm where the agent stands, -70.4 dBm at the far corner of its cell."""
+    with pytest.raises(Blamed, match=r"whole cells: .* \(`partition 10 x 10`\), or"):
+        compile_or_blame(loads(COARSE.replace("{level}", "-70")))
+    with pytest.raises(Blamed, match=r"at every step$") as found:
+        compile_or_blame(loads(COARSE.replace("{level}", "-50")))
+    assert not found.value.blame.by_cells
+
+
 def test_a_link_that_no_whole_cell_offers_says_so() -> None:
     with pytest.raises(Blamed, match="for whole cells: try a finer `partition`"):
         compile_or_blame(loads(LINKED.replace("{bound}", "worst")))
     with pytest.raises(Blamed, match=r"at every step$"):
         compile_or_blame(loads(LINKED.replace("{bound}", "mean")))
+
+
+def conflict(requirements: str) -> Conflict:
+    found = explain(loads(COARSE[: COARSE.index("require")] + requirements))
+    assert isinstance(found, Conflict)
+    return found
+
+
+def test_a_conflict_that_only_whole_cells_have_is_told_from_a_true_one() -> None:
+    assert conflict("require link: always[0, 5] rssi(b, base) >= -70 dBm").by_cells
+    both = "require far: always[0, 5] b.x <= 3 m\nrequire link: eventually[0, 5] rssi(b, base) >= "
+    assert conflict(f"{both}-68 dBm").by_cells
+    assert not conflict(f"{both}-45 dBm").by_cells
