@@ -139,3 +139,40 @@ require: always a outside o
     frames = mission.obstacles["o"].frames
     assert [float(f[0].vertices[:, 0].max()) for f in frames] == [2.5, 2.5, 2.5, 5.5]
     assert float(mission.obstacles["o"].bodies[3][0].vertices[:, 0].max()) == 5.0
+
+
+@given(star_polygons(), st.floats(0.2, 1.5), st.floats(0.05, 0.9), st.booleans())
+def test_pieces_have_the_area_of_the_polygon_and_its_hole(
+    ring: Ring, x: float, size: float, snapped: bool
+) -> None:
+    """Without overlap, so that the areas of the pieces add up to that of the polygon."""
+    if snapped:
+        ring = [(float(round(px)), float(round(py))) for px, py in ring]
+    hole = [(x, 0.0), (x + size, 0.1), (x, size)]
+    whole = shapely.Polygon(ring, [hole])
+    assume(whole.is_valid and shapely.Polygon(ring).contains_properly(shapely.Polygon(hole)))
+    assume(len(set(ring)) == len(ring))
+    pieces = decompose(ring, [hole])
+    assert sum(map(area, pieces)) == pytest.approx(whole.area, rel=1e-9)
+    assert union(pieces).symmetric_difference(whole).area <= 1e-9 * whole.area
+
+
+def test_a_sliver_of_the_triangulation_is_no_piece() -> None:
+    """A corner 1e-16 m beside an edge gives a triangle without area."""
+    ring = [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (3.0, 3.0), (2.05, 1e-16), (2.0, 3.0), (0.0, 3.0)]
+    pieces = decompose(ring)
+    assert sum(map(area, pieces)) == pytest.approx(shapely.Polygon(ring).area)
+
+
+@pytest.mark.parametrize("corners", [1_000, 100_000])
+def test_a_fine_arc_keeps_its_shape(corners: int) -> None:
+    angles = [2 * math.pi * k / corners for k in range(corners)]
+    ring = simplified([(math.cos(a), math.sin(a)) for a in angles])
+    assert shapely.Polygon(ring).area == pytest.approx(math.pi, rel=1e-4)
+
+
+def test_a_ring_that_comes_back_to_a_corner_is_refused() -> None:
+    eight = [(3, 3), (5, 3), (5, 5), (7, 5), (7, 7), (5, 7), (5, 5), (3, 5)]
+    with pytest.raises(PolygonError, match=r"corner \(5, 5\) twice"):
+        decompose([(float(x), float(y)) for x, y in eight])
+    assert len(decompose([(0.0, 0.0), (0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 0.0)])) == 1
