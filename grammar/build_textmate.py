@@ -35,7 +35,7 @@ def patterns() -> list[dict[str, Any]]:
     statements = _alternatives([name for name in spellings if name.startswith("ST_")])
     temporal = ["ALWAYS", "EVENTUALLY", "NEXT", "UNTIL", "RELEASE"]
     logic = ["NOT", "AND", "OR", "IMPLIES", "IFF", "IN", "OUTSIDE", "SWEPT", "SAMPLED"]
-    shapes = ["BOX", "POLYGON", "HOLE", "GEOJSON", "FEATURE", "MOVING", "INFLATE"]
+    shapes = ["BOX", "POLYGON", "HOLE", "GEOJSON", "FEATURE", "MOVING", "INFLATE", "VELOCITY"]
     unit = "|".join(map(re.escape, sorted(UNITS, key=lambda word: (-len(word), word))))
     symbols = {w for group in spellings.values() for w in group if not w[0].isalpha()}
     operators = symbols - set("()[]{},;:.=") - {".."}

@@ -94,6 +94,7 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
     given = _horizon(_single(statements, ast.Horizon, report), scope)
     moves = None if report.errors else next((a.span for a in scope.agents.values()), None)
     steps = horizon.derive(requirements, given, objective.last_step(terms), moves, report)
+    requirements = _carried_on(statements, requirements, steps, shaper)
     swept = holds_between(space, requirements, scope)
     mission = Mission(
         source=file.source,
@@ -220,6 +221,28 @@ def _unused_lets(lets: list[ast.Let], scope: Scope) -> None:
 
 
 # --- requirements ------------------------------------------------------------------------------
+
+
+def _carried_on(
+    statements: list[ast.Statement],
+    requirements: list[Requirement],
+    steps: int,
+    shaper: Shaper,
+) -> list[Requirement]:
+    """The requirements once more, with obstacles that move for ever carried on to the horizon."""
+    scope = shaper.scope
+    moving = [s for s in _of(statements, ast.ObstacleDecl) if s.velocity is not None]
+    if not moving or scope.report.errors:
+        return requirements
+    report, scope.report = scope.report, Report()  # all was reported the first time
+    scope.last_step = steps
+    scope.memo.clear()
+    scope.requirements.clear()
+    for statement in moving:
+        shaper.obstacle(statement)
+    again = joined(_requirements(statements, scope), scope)
+    scope.report = report
+    return again
 
 
 def _requirements(statements: list[ast.Statement], scope: Scope) -> list[Requirement]:

@@ -16,7 +16,7 @@ from stlc.sema.name_errors import NotHere, WrongKind
 from stlc.sema.report import Mistake, Reported
 from stlc.sema.scope import Scope
 from stlc.sema.shape_errors import BadPolygon, EmptyBox, FarAway
-from stlc.sema.units import METRE
+from stlc.sema.units import METRE, SPEED, Unit
 from stlc.sema.values import Items, Place, Scalar, describe
 from stlc.source import Span
 from stlc.syntax import ast
@@ -61,15 +61,25 @@ class Shaper:
         cut((outline,), span)
         return outline
 
-    def track(self, shape: ast.Shape) -> Track:
-        """The shape at the steps that are given."""
+    def track(self, statement: ast.ObstacleDecl) -> Track:
+        """The shape at the steps that are given, and how it moves."""
+        shape, velocity = statement.shape, (0.0, 0.0)
+        if statement.velocity is not None:
+            velocity = self._pair(statement.velocity, SPEED, "a velocity `(vx, vy)`")
         if not isinstance(shape, ast.Moving):
-            return Track(((0, self.outlines(shape)),))
+            return Track(((0, self.outlines(shape)),), velocity=velocity)
         known = {steps(time, self.scope): self.outlines(part) for time, part in shape.frames}
         if 0 not in known:
             hint = "say where it is at first: `moving { 0: box .. ; .. }`"
             raise Mistake(NotHere(span=shape.span, problem="nothing is said of step 0", hint=hint))
-        return Track(tuple(sorted(known.items())))
+        frames = tuple(sorted(known.items()))
+        if shape.linear:
+            for (step, one), (_, other) in pairwise(frames):
+                if not tracks.alike(one, other):
+                    problem = f"the shape changes its number of corners after step {step}"
+                    hint = "give the same corners in every frame, or leave out `linear`"
+                    raise Mistake(NotHere(span=shape.span, problem=problem, hint=hint))
+        return Track(frames, shape.linear, velocity)
 
     def box(self, shape: ast.Box) -> Outline:
         """An axis-aligned box."""
@@ -85,18 +95,14 @@ class Shaper:
 
     def point(self, expr: ast.Expr) -> Point:
         """A pair of constants [m]."""
+        return self._pair(expr, METRE, "a point `(x, y)`")
+
+    def _pair(self, expr: ast.Expr, unit: Unit, expected: str) -> Point:
         value = self.scope.value(expr)
         if not (isinstance(value, Items) and len(value.items) == 2):
-            raise Mistake(
-                WrongKind(span=expr.span, expected="a point `(x, y)`", found=describe(value))
-            )
-        x, y = (self._metres(v, expr.span) for v in value.items)
+            raise Mistake(WrongKind(span=expr.span, expected=expected, found=describe(value)))
+        x, y = (_in_unit(v, unit, expr.span) for v in value.items)
         return x, y
-
-    def _metres(self, value: object, span: Span) -> float:
-        if isinstance(value, Scalar) and value.is_constant and value.unit in (None, METRE):
-            return near(value.constant, span)
-        raise Mistake(WrongKind(span=span, expected="coordinates in m", found="something else"))
 
     def named(self, name: ast.Ident) -> Outlines:
         """Polygons of another region or obstacle (at step 0, before inflation)."""
@@ -148,7 +154,7 @@ class Shaper:
         """Declare an obstacle; inflation grows each piece, so the union grows by as much."""
         name = statement.name.text
         try:
-            track = self.track(statement.shape)
+            track = self.track(statement)
             grow = self._inflation(statement)
         except (Mistake, Reported):
             self.scope.broken.add(name)
@@ -210,6 +216,14 @@ def _bodies(outlines: Sequence[Outlines], span: Span) -> tuple[Pieces, ...]:
         else:
             found.append(tuple(tracks.translated(p, by) if any(by) else p for p in found[-1]))
     return tuple(found)
+
+
+def _in_unit(value: object, unit: Unit, span: Span) -> float:
+    """A constant in the unit that is meant."""
+    if isinstance(value, Scalar) and value.is_constant and value.unit in (None, unit):
+        return near(value.constant, span)
+    expected = f"numbers in {unit}" if unit != METRE else "coordinates in m"
+    raise Mistake(WrongKind(span=span, expected=expected, found="something else"))
 
 
 def near(value: float, span: Span) -> float:

@@ -210,11 +210,12 @@ class RegionDecl(Statement):
 
 
 class ObstacleDecl(Statement):
-    """`obstacle pillar = box .. inflate 0.3 m`."""
+    """`obstacle pillar = box .. velocity (1, 0) inflate 0.3 m`."""
 
     name: Ident
     shape: Shape
     inflate: Expr | None = None
+    velocity: Expr | None = None
 
 
 class ChannelDecl(Statement):

@@ -26,7 +26,7 @@ class StatementBuilder(ExprBuilder):
     def _first(self, start: int, end: int, c: Children) -> Any:
         return c[0]
 
-    family = parameters = margin = inflate = _first
+    family = parameters = margin = inflate = velocity = _first
 
     def feature(self, start: int, end: int, c: Children) -> ast.String:
         return self.text(c[0])
@@ -86,6 +86,9 @@ class StatementBuilder(ExprBuilder):
     def moving(self, start: int, end: int, c: Children) -> ast.Shape:
         return ast.Moving(self.span(start, end), tuple(c))
 
+    def moving_linear(self, start: int, end: int, c: Children) -> ast.Shape:
+        return ast.Moving(self.span(start, end), tuple(c), True)
+
     def named_shape(self, start: int, end: int, c: Children) -> ast.Shape:
         return ast.NamedShape(self.span(start, end), self.ident(c[0]))
 
@@ -139,7 +142,9 @@ class StatementBuilder(ExprBuilder):
         return ast.RegionDecl(self.span(start, end), self.ident(c[0]), c[1])
 
     def obstacle(self, start: int, end: int, c: Children) -> ast.Statement:
-        return ast.ObstacleDecl(self.span(start, end), self.ident(c[0]), c[1], c[2])
+        name, shape, velocity, inflate = c
+        span = self.span(start, end)
+        return ast.ObstacleDecl(span, self.ident(name), shape, inflate, velocity)
 
     def channel(self, start: int, end: int, c: Children) -> ast.Statement:
         return ast.ChannelDecl(self.span(start, end), self.ident(c[0]), c[1])

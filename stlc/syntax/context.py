@@ -143,7 +143,7 @@ class _Context(Neighbours):
         text, after = token.text, self._peek()
         opener = {"box": "[", "polygon": "(", "moving": "{"}
         due = self._last in ("EQ", "PLUS", "COLON", "ST_WORKSPACE") and (
-            after.text in ("", "+", ";", "}", "inflate", "swept", "sampled")
+            after.text in ("", "+", ";", "}", "inflate", "velocity", "swept", "sampled")
             and text not in ("true", "false")
         )
         if not self.operand and after.text == opener.get(text):
@@ -152,7 +152,9 @@ class _Context(Neighbours):
             self._emit("GEOJSON", token, operand=False)
         elif self.operand and text == "x" and after.text == "[":
             self._emit("TIMES", token, operand=False)
-        elif self.operand and text in ("hole", "feature", "inflate"):
+        elif text == "linear" and self._last == "RBRACE":
+            self._emit("LINEAR", token, operand=True)
+        elif self.operand and text in ("hole", "feature", "velocity", "inflate"):
             self._emit(text.upper(), token, operand=False)
             self.shaped = text != "inflate"
         elif self.operand and text in ("swept", "sampled") and self._of_workspace:

@@ -227,9 +227,10 @@ class NamedShape(Shape):
 
 
 class Moving(Shape):
-    """`moving { 0: box ..; 3: box ..; .. }`: the shape from each step on, or `path` by vectors."""
+    """`moving { 0: box ..; 3: box ..; .. }`: the shape from each step on; `linear` between them."""
 
     frames: tuple[tuple[Expr, Shape], ...]
+    linear: bool = False
 
 
 class Union(Shape):

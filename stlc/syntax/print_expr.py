@@ -302,7 +302,8 @@ def show_shape(shape: ast.Shape) -> str:
             return shape.name.text
         case ast.Moving():
             frames = (f"{show(when)}: {show_shape(where)}" for when, where in shape.frames)
-            return f"moving {{ {'; '.join(frames)} }}"
+            end = " linear" if shape.linear else ""
+            return f"moving {{ {'; '.join(frames)} }}{end}"
         case ast.Union():
             return " + ".join(_part(part) for part in shape.parts)
         case _:

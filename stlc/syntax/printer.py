@@ -153,7 +153,9 @@ def _head(statement: ast.Statement) -> str:
             return f"region {statement.name.text} = {show_shape(statement.shape)}"
         case ast.ObstacleDecl():
             inflate = f" inflate {show(statement.inflate)}" if statement.inflate else ""
-            return f"obstacle {statement.name.text} = {show_shape(statement.shape)}{inflate}"
+            drift = f" velocity {show(statement.velocity)}" if statement.velocity else ""
+            shape = show_shape(statement.shape)
+            return f"obstacle {statement.name.text} = {shape}{drift}{inflate}"
         case _:
             return _named_head(statement)
 
