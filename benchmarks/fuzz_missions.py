@@ -39,7 +39,6 @@ from fuzz.worker import Ran
 COLUMNS = 600
 SAVED = 3  # inputs of each signature
 CPU = {"check": 20.0, "compile": 60.0, "solve": 60.0}  # s, then the watchdog ends it
-CLOSE = 2e-3  # relative difference of optima: both are solved to a gap of 1e-4, and rounded
 _SOLVE = ("--json", "--time-limit", "5", "--threads", "1", "--no-explain", "--progress", "none")
 
 
@@ -117,7 +116,7 @@ def _compared(given: Input, one: tuple[int, Any], other: tuple[int, Any] | None)
         yield Fault("verdict", "solve", f"{given.change}: {one[0]} and {other[0]}")
     elif one[1] is not None and other[1] is not None:
         want = one[1] * given.factor
-        if abs(other[1] - want) > CLOSE * max(given.factor, abs(want)):
+        if abs(other[1] - want) > given.close * max(given.factor, abs(want)):
             yield Fault("optimum", "solve", f"{given.change}: {want:.6g} and {other[1]:.6g}")
 
 
@@ -174,9 +173,9 @@ class Campaign:
 
     def _save(self, number: int, given: Input, fault: Fault) -> None:
         """The input in a folder of its own, shortened, with what is wrong."""
-        small = given
-        if given.twin is None or fault.kind not in ("verdict", "optimum", "twin"):
-            small = shortened(replace(given, twin=None), fault, self.examiner)
+        alone = replace(given, twin=None)
+        own = any(f.signature == fault.signature for f in self.examiner.examine(alone).faults)
+        small = shortened(alone, fault, self.examiner) if own else given
         kind = "".join(c if c.isalnum() else "_" for c in f"{fault.command} {fault.kind}")
         folder = self.out / f"{kind}_{self.seed}_{number}"
         folder.mkdir(parents=True, exist_ok=True)

@@ -89,8 +89,9 @@ def box_of(
     low, high = lower.copy(), upper.copy()
     for predicate in predicates:
         most = [v * (high if v > 0 else low)[s.index] for s, v in predicate.terms]
-        for (signal, value), own in zip(predicate.terms, most, strict=True):
-            edge = (level(predicate.unit) - predicate.constant - (sum(most) - own)) / value
+        for k, (signal, value) in enumerate(predicate.terms):
+            others = sum(most[:k] + most[k + 1 :])  # may be infinite, and so may its own
+            edge = (level(predicate.unit) - predicate.constant - others) / value
             if value > 0:
                 low[signal.index] = max(low[signal.index], edge)
             else:

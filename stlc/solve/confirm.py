@@ -44,8 +44,8 @@ def confirm_infeasible(
     """Let a second solver judge an infeasible claim of `first`; the objective is left out.
 
     `second` is by default another installed solver (`second_opinion`). `confirmed` is False where
-    there is none or it reached its limits. RefutedError names the first solver when the second
-    finds a point and that point is certified.
+    there is none, it reached its limits, or its own answer is refused. RefutedError names the
+    first solver when the second finds a point and that point is certified.
     """
     claim = Solution(Status.INFEASIBLE, solver=first) if isinstance(first, str) else first
     who = claim.solver_version or claim.solver
@@ -58,7 +58,10 @@ def confirm_infeasible(
     by = answer.solver_version or second.name
     if answer.status is Status.INFEASIBLE:
         return Confirmation(True, by, answer.seconds, f"proven by {who}, confirmed by {by}")
-    found = certify(feasibility, answer, options=asked)
+    try:
+        found = certify(feasibility, answer, options=asked)
+    except SolverError:
+        return Confirmation(False, by, answer.seconds, f"{who} says so; {by} gave no valid point")
     if found.x is not None:
         problem = f"it claims infeasible, but {by} found a point that is certified"
         raise RefutedError(str(refusal(claim, problem)), found.x, second)

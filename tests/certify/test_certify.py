@@ -143,6 +143,14 @@ def test_a_second_solver_at_its_limit_confirms_nothing() -> None:
     assert not confirm_infeasible(MODEL, lie, tired).confirmed
 
 
+def test_a_second_solver_whose_point_is_refused_confirms_nothing() -> None:
+    claim = replace(TRUTH, status=Status.INFEASIBLE, x=None, objective=None, bound=None)
+    liar = Fibber(replace(TRUTH, x=np.array([0.0, 0.5, 9.0])))
+    said = confirm_infeasible(MODEL, claim, liar)
+    assert not said.confirmed
+    assert str(said) == "Fibber 1.0 says so; Fibber 1.0 gave no valid point"
+
+
 @pytest.mark.parametrize("name", ["highs", "mip", "scip", "cvxpy", "scipy", "pulp"])
 def test_second_opinion_is_another_solver(name: str) -> None:
     backend = second_opinion(name)

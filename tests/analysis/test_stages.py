@@ -1,0 +1,35 @@
+"""Interval hulls of conjunctions of predicates."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from stlc.analysis.stages import box_of
+from stlc.ir.nodes import Linear, Role, Signal
+
+X, Y = (Signal("r", Role.STATE, k) for k in range(2))
+
+
+def _hull(predicate: Linear, low: list[float], high: list[float]) -> list[list[float]]:
+    found = box_of([predicate], lambda unit: 0.0, np.array(low), np.array(high))
+    return [side.tolist() for side in found]
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("low", "high", "expected"),
+    [
+        ([0, 0], [10, 10], [[0, 0], [4, 4]]),
+        ([-math.inf, 0], [math.inf, 10], [[-math.inf, 0], [4, 10]]),
+        ([-math.inf, -math.inf], [math.inf, math.inf], [[-math.inf] * 2, [math.inf] * 2]),
+    ],
+)
+def test_a_face_bounds_what_the_other_signals_leave(
+    low: list[float], high: list[float], expected: list[list[float]]
+) -> None:
+    """x + y <= 4: an unbounded x is bounded by the rest, and bounds nothing itself."""
+    face = Linear(((X, -1.0), (Y, -1.0)), 4.0, "m")
+    assert _hull(face, low, high) == expected
