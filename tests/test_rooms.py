@@ -44,6 +44,7 @@ MAY: Mapping[str, set[str]] = {
     "explain": {"ir", "mission", "backends", "solve"},
     "plot": {"ir", "radio", "mission", "channels", "plan", "verify"},
     "api": {"syntax", "sema", "mission", "milp", "plan", "verify", "solve", "explain"},
+    "conformance": {"api", "milp", "backends", "solve"},
     "dialects": {"syntax", "grammar", "sema", "api"},
     "bench": {"api", "mission", "passes", "milp", "backends", "solve", "plot"},
 }  # fmt: skip
