@@ -57,6 +57,7 @@ class Examiner:
 
     worker: Worker
     folder: Path
+    solves: bool = True
 
     def examine(self, given: Input) -> Examined:
         """All commands that the input is due."""
@@ -65,7 +66,7 @@ class Examiner:
         given.write(self.folder)
         found = Examined()
         verdict = self._commands(given, "m.stl", found)
-        if given.twin is not None and verdict is not None and not found.faults:
+        if given.twin is not None and verdict is not None and self.solves and not found.faults:
             twin = self._commands(given, "twin.stl", found)
             found.faults += _compared(given, verdict, twin)
         return found
@@ -78,7 +79,7 @@ class Examiner:
         if compiled.status == 3:
             return 3, None
         large = name == "m.stl" and _columns(compiled) > COLUMNS
-        if compiled.status or large:
+        if compiled.status or large or not self.solves:
             return None
         solved = self._run(found, "solve", name, *_SOLVE)
         return solved.status, _objective(solved)
@@ -195,12 +196,13 @@ def main() -> int:
     parser.add_argument("count", type=int, nargs="?", default=2000)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("out") / "fuzz")
+    parser.add_argument("--no-solve", action="store_true", help="Check and compile alone.")
     parser.add_argument("--only", type=int, help="Examine this input alone, and show it.")
     words = parser.parse_args()
     words.out.mkdir(parents=True, exist_ok=True)
     worker = Worker()
     with tempfile.TemporaryDirectory(prefix="fuzz_") as folder:
-        examiner = Examiner(worker, Path(folder) / "case")
+        examiner = Examiner(worker, Path(folder) / "case", not words.no_solve)
         if words.only is not None:
             given = drawn(words.only, words.seed, corpus())
             print(given.origin, given.text, examiner.examine(given), sep="\n")

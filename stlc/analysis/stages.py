@@ -119,7 +119,8 @@ def find_stages(
     """Stages of every agent that has any: the widest disjunction at each step.
 
     `target` asks for more than the margins: that a robustness column reaches a value. No sweeps
-    propagates forward only.
+    propagates forward only. An agent with an unbounded state or input has none: intervals without
+    an end say nothing, and 0 * inf is no number.
     """
     chosen: dict[tuple[str, int], tuple[Or, LevelOf]] = {}
     for requirement in requirements:
@@ -133,8 +134,16 @@ def find_stages(
     return {
         name: analyse(agent, ranges[name], _stages(agent, ranges[name], chosen), sweeps)
         for name, agent in mission.agents.items()
-        if any(owner == name for owner, _ in chosen)
+        if any(owner == name for owner, _ in chosen) and _bounded(ranges[name])
     }
+
+
+def _bounded(ranges: Ranges) -> bool:
+    states, inputs = (
+        (ranges.state_lower, ranges.state_upper),
+        (ranges.input_lower, ranges.input_upper),
+    )
+    return all(np.isfinite(side).all() for side in (*states, *inputs))
 
 
 def level_at(requirement: Requirement, target: tuple[Goal, float] | None) -> LevelOf:

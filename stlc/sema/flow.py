@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 
 from stlc.arrays import Floats
@@ -28,8 +30,14 @@ def held_flow(given: Flow, dt: float) -> Flow | None:
         return None
     discrete = np.eye(n + m + 1)
     discrete[:n] = np.column_stack([given.A, given.B, given.drift])
-    found = logm(discrete)
-    if np.abs(found.imag).max() > _EDGE or not np.allclose(expm(found.real), discrete, 1e-9, 1e-12):
+    try:
+        with np.errstate(all="ignore"), warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # its accuracy is judged below
+            found = logm(discrete)
+            again = expm(found.real)
+    except ValueError:  # scipy's word for entries that overflow on the way
+        return None
+    if not (np.abs(found.imag).max() <= _EDGE and np.allclose(again, discrete, 1e-9, 1e-12)):
         return None
     rates: Floats = np.asarray(found.real[:n] / dt, dtype=np.float64)
     rates[np.abs(rates) <= _DUST * np.abs(rates).max()] = 0.0

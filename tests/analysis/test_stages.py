@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 
 from stlc.analysis.stages import box_of
+from stlc.api import loads
+from stlc.errors import MissionError
 from stlc.ir.nodes import Linear, Role, Signal
+from stlc.milp.compile import compile_mission
 
 X, Y = (Signal("r", Role.STATE, k) for k in range(2))
 
@@ -33,3 +36,14 @@ def test_a_face_bounds_what_the_other_signals_leave(
     """x + y <= 4: an unbounded x is bounded by the rest, and bounds nothing itself."""
     face = Linear(((X, -1.0), (Y, -1.0)), 4.0, "m")
     assert _hull(face, low, high) == expected
+
+
+@pytest.mark.filterwarnings("error")
+def test_an_unbounded_agent_is_not_called_out_of_reach() -> None:
+    mission = loads(
+        "horizon 6\nagent a : double_integrator { start (9, 9) }\n"
+        "obstacle o = box [4, 5] x [4, 5]\nrequire clear: always a outside o\n"
+    )
+    with pytest.raises(MissionError) as error:
+        compile_mission(mission)
+    assert [d.code for d in error.value.diagnostics] == ["E0802"]
