@@ -72,9 +72,9 @@ def number(rng: random.Random, text: str, other: str) -> str:
     at = _pick(rng, NUMBER, text)
     if at is None:
         return text
-    if rng.random() < 0.5:
-        return _replaced(text, at, rng.choice(NASTY))
     value = float(at[0])
+    if rng.random() < 0.5 or abs(value) > 1e300:
+        return _replaced(text, at, rng.choice(NASTY))
     near = rng.choice((
         -value, value * 10, value / 10, value * 1e3, value + 1e-9, value - 1e-7, value + 1e-6,
         value * (1 + 2**-52), round(value), value + 0.5, 10 - value, value * 1e-3,

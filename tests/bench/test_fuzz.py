@@ -14,6 +14,7 @@ from fuzz.faults import Fault, faults
 from fuzz.inputs import Input, drawn
 from fuzz.pool import KILLED
 from fuzz.shorten import shortened
+from fuzz.text import damaged
 from fuzz.worker import Ran
 from fuzz_missions import Examined, _compared
 from truth.draw import draw
@@ -38,6 +39,11 @@ def test_seeds_come_from_everywhere() -> None:
     origins = {re.split("[/:]", seed.name)[0] for seed in SEEDS}
     assert {"README.md", "benchmarks", "docs", "examples", "tests"} <= origins
     assert any(name.endswith(".npz") for seed in SEEDS for name in seed.files)
+
+
+def test_texts_with_numbers_beyond_doubles_are_damaged_too() -> None:
+    text = "param v = 1e309\nparam w = " + "9" * 400 + "\n"
+    assert len({damaged(random.Random(k), text, text) for k in range(200)}) > 50
 
 
 @pytest.mark.parametrize("kind", [".csv", ".npz", ".geojson"])
