@@ -190,7 +190,7 @@ def _equalities(box: Box, matrix: Floats, step: int) -> None:
     rest_high = _without(most)
     room_high = (next_high - drift + rounding)[:, None] - rest_low
     room_low = (next_low - drift - rounding)[:, None] - rest_high
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # to an infinite bound
         x = room_low / matrix
         y = room_high / matrix
     lower = np.where(matrix > 0, x, np.where(matrix < 0, y, -np.inf))
