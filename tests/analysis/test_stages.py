@@ -53,7 +53,7 @@ def test_an_unbounded_agent_is_not_called_out_of_reach() -> None:
 def test_a_gain_next_to_nothing_bounds_nothing() -> None:
     mission = loads(
         "horizon 5\ndynamics car { states px py vx vy\n"
-        "A = [[1, 0, 1, 0], [0, 1, 0, 1e-310], [0, 0, 1, 0], [0, 0, 0, 1]]\n"
+        "A = [[1, 0, 1, 0], [0, 1, 0, 1e-320], [0, 0, 1, 0], [0, 0, 0, 1]]\n"
         "B = [[0, 0], [0, 0], [1, 0], [0, 1]] }\n"
         "agent r : car { start (6, 1, 0, 0); px in [0, 15]; py in [0, 10]; vx in [-2, 2]\n"
         "vy in [-2, 2]; control |u| <= 0.5 }\nminimize effort\n"
