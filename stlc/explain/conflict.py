@@ -10,8 +10,6 @@ solver.
 
 from __future__ import annotations
 
-import math
-import time
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import partial
@@ -24,6 +22,7 @@ from stlc.ir.nodes import Always, And, Link, Node, walk
 from stlc.ir.requirement import Requirement
 from stlc.mission import Bound, Mission
 from stlc.solve.confirm import confirm_infeasible
+from stlc.solve.deadline import Deadline
 from stlc.solve.supervise import Supervisor
 
 if TYPE_CHECKING:
@@ -74,8 +73,7 @@ def explain(
     `time_limit` [s] holds for each of the at most (clauses + 1) solves, `total` for all of them;
     `grace` is as in SolveSettings. `proven`: that the whole is infeasible is known already.
     """
-    end = math.inf if total is None else time.monotonic() + total
-    test = _Tester(mission, backend, time_limit, end, grace)
+    test = _Tester(mission, backend, time_limit, Deadline.after(total), grace)
     verdict = Verdict.INFEASIBLE if proven else test(mission.requirements)
     if verdict is not Verdict.INFEASIBLE:
         return verdict
@@ -123,7 +121,7 @@ class _Tester:
     mission: Mission
     backend: str
     time_limit: float
-    end: float  # time.monotonic() from which on nothing more is proven
+    deadline: Deadline  # from which on nothing more is proven
     grace: float | None
 
     def by_cells(self, clauses: Sequence[Requirement]) -> bool:
@@ -141,7 +139,7 @@ class _Tester:
             compiled = compile_or_blame(self._with(clauses), hopeful=hopeful)
         except InfeasibleError:
             return Verdict.INFEASIBLE
-        limit = min(self.time_limit, self.end - time.monotonic())
+        limit = min(self.time_limit, self.deadline.left)
         if limit <= 0:
             return Verdict.UNKNOWN
         backend, asked = backends.get(self.backend), SolveOptions(time_limit=limit, gap=1.0)

@@ -1,11 +1,11 @@
-"""When to end: one value instead of clocks that are read everywhere."""
+"""When to end, and how long it has taken: values instead of clocks that are read everywhere."""
 
 from __future__ import annotations
 
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from stlc.backends.base import SolveOptions
 
@@ -55,3 +55,15 @@ class Deadline:
     def bind(self, options: SolveOptions) -> SolveOptions:
         """The options of a solve that ends by this deadline."""
         return replace(options, time_limit=self.limit, should_stop=self.should_stop)
+
+
+@dataclass(frozen=True, slots=True)
+class Stopwatch:
+    """Seconds since it was made."""
+
+    began: float = field(default_factory=time.monotonic)
+
+    @property
+    def seconds(self) -> float:
+        """Seconds since it was made."""
+        return time.monotonic() - self.began

@@ -7,7 +7,6 @@ our own disagreement (exit 70), never a plan.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
@@ -21,6 +20,7 @@ from stlc.errors import (
     NoPlanError,
     SolverError,
 )
+from stlc.solve.deadline import Deadline, Stopwatch
 from stlc.solve.events import (
     DiagnosticEvent,
     Listener,
@@ -64,14 +64,14 @@ def solve_mission(
     settings = settings or SolveSettings()
     backend = backends.get(settings.backend)
     require(backend)
-    began = time.perf_counter()
+    compiling = Stopwatch()
     listen(StatusEvent("compile", mission.source.name))
     compiled = compile_or_blame(mission, settings.compile)
     tell_warnings(compiled.warnings, listen)
-    now = time.perf_counter()
+    took = compiling.seconds
     label = encoding_label(settings.compile)
-    job = _Job(mission, settings, compiled, backend, listen, should_stop, now, label)
-    return job.run(now - began)
+    deadline = Deadline.after(settings.time_limit, should_stop)
+    return _Job(mission, settings, compiled, backend, listen, deadline, label).run(took)
 
 
 @dataclass(slots=True)
@@ -83,9 +83,9 @@ class _Job:
     compiled: Compiled
     backend: Backend
     listen: Listener
-    should_stop: Callable[[], bool] | None
-    began: float
+    deadline: Deadline
     encoding: str
+    watch: Stopwatch = field(default_factory=Stopwatch)
     judge: Judge = field(init=False)
     incumbent: Incumbent = field(init=False)
     _stopped: bool = False
@@ -95,7 +95,7 @@ class _Job:
         self.judge = Judge(self.mission, self.compiled, self.encoding)
         self.incumbent = Incumbent(
             self.judge.judge, self.listen, self.backend.name, self.backend.version(),
-            self.settings.save_to, self.began,
+            self.settings.save_to, self.watch,
         )  # fmt: skip
 
     def run(self, compile_seconds: float) -> Outcome:
@@ -103,12 +103,12 @@ class _Job:
         self.listen(self._statistics())
         try:
             solution = self._solve()
-            took = {"compile": compile_seconds, "solve": time.perf_counter() - self.began}
+            took = {"compile": compile_seconds, "solve": self.watch.seconds}
             if solution is not None and not self._is_kept(solution):
                 return self._conclude(solution, took)
         except KeyboardInterrupt:
             self._stopped = True
-        took = {"compile": compile_seconds, "solve": time.perf_counter() - self.began}
+        took = {"compile": compile_seconds, "solve": self.watch.seconds}
         return self._stand(took)
 
     def _statistics(self) -> StatisticsEvent:
@@ -156,16 +156,11 @@ class _Job:
         elif s.start is not None:
             text = "the start plan is no plan for this mission; it was left out"
             self.listen(DiagnosticEvent("warning", text))
-        left = s.time_limit
-        if left is not None:
-            left = max(left - (time.perf_counter() - self.began), 0.01)
-        return SolveOptions(
-            left, s.gap, s.threads, s.seed, start, self._on_progress, self.should_stop,
-            dict(s.extra),
-        )  # fmt: skip
+        asked = SolveOptions(None, s.gap, s.threads, s.seed, start, extra=dict(s.extra))
+        return replace(self.deadline.bind(asked), on_progress=self._on_progress)
 
     def _on_progress(self, progress: Progress) -> None:
-        seconds = time.perf_counter() - self.began
+        seconds = self.watch.seconds
         where = (progress.objective, progress.bound, progress.gap, progress.nodes)
         self.listen(ProgressEvent(seconds, *where))
         self.incumbent.raise_bound(progress.bound)
@@ -211,10 +206,10 @@ class _Job:
                 return self._finish(solution, seconds)
 
     def _finish(self, solution: Solution, seconds: dict[str, float]) -> Outcome:
-        began = time.perf_counter()
+        judging = Stopwatch()
         self.listen(StatusEvent("verify", "certifying the point, verifying the plan"))
         plan, report = self.judge.accept(solution, self._options_asked())
-        seconds = {**seconds, "verify": time.perf_counter() - began}
+        seconds = {**seconds, "verify": judging.seconds}
         for warning in plan.certificate.get("warnings", ()):
             self.listen(DiagnosticEvent("warning", warning))
         plan = replace(plan, solve=replace(plan.solve, seconds=seconds))
@@ -273,7 +268,10 @@ class _Job:
         self.incumbent.solver, self.incumbent.version = second.name, second.version()
         self.incumbent.take(refuted.x, self.compiled.model.objective(refuted.x))
         asked = replace(
-            asked, start=refuted.x, on_progress=self._on_progress, should_stop=self.should_stop
+            asked,
+            start=refuted.x,
+            on_progress=self._on_progress,
+            should_stop=self.deadline.should_stop,
         )
         solution = self._supervise(lambda given: second.solve(self.compiled.model, given), asked)
         if solution is None or solution.x is None or self._is_kept(solution):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from stlc.backends.base import Floats, Solution, Status, relative_gap
 from stlc.errors import OutputError, SolverError
+from stlc.solve.deadline import Stopwatch
 from stlc.solve.events import DiagnosticEvent, Listener, SolutionEvent
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ class Incumbent:
     solver: str
     version: str
     save_to: Path | None
-    began: float  # time.perf_counter() when the solve began
+    watch: Stopwatch  # since the solve began
     objective: float = float("inf")
     bound: float | None = None
     plan: Plan | None = None
@@ -49,19 +49,19 @@ class Incumbent:
         """Keep a point (n,) that is better, if it can be certified and verified."""
         if objective >= self.objective:
             return
-        seconds = time.perf_counter() - self.began
+        seconds = self.watch.seconds
         claim = Solution(
             Status.FEASIBLE, x, objective, self._sound(objective), seconds=seconds,
             solver=self.solver, solver_version=self.version,
         )  # fmt: skip
-        began = time.perf_counter()
+        judging = Stopwatch()
         try:
             plan, report = self.judge(claim)
         except SolverError:
             return  # refused by certification: simply not kept; the final answer is judged aloud
         if not report.ok:
             return
-        self.judged = time.perf_counter() - began
+        self.judged = judging.seconds
         self.objective, self.plan, self.report, self.claim = objective, plan, report, claim
         saved = self._save(plan)
         self.listen(SolutionEvent(seconds, objective, str(self.save_to) if saved else None))
@@ -87,7 +87,7 @@ class Incumbent:
         if self.plan is None or self.report is None or self.claim is None:
             return None
         bound = self._sound(self.objective)
-        seconds = time.perf_counter() - self.began
+        seconds = self.watch.seconds
         claim = replace(self.claim, bound=bound, seconds=seconds)
         info = replace(self.plan.solve, bound=bound, gap=relative_gap(self.objective, bound))
         return replace(self.plan, solve=info), self.report, claim

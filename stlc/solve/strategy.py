@@ -10,7 +10,6 @@ compiled mission. What is where in the model, it learns from the receipts in `Co
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
@@ -18,7 +17,7 @@ from stlc.arrays import Floats
 from stlc.backends.base import Backend, Capability, Progress, Solution, SolveOptions, Status
 from stlc.milp.compile import Compiled
 from stlc.solve.alone.run import LoneRun
-from stlc.solve.deadline import Deadline
+from stlc.solve.deadline import Deadline, Stopwatch
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,7 +36,7 @@ class Work:
     nodes: int = 0
     finder: str = ""
     lone: tuple[LoneRun, ...] = ()
-    began: float = field(default_factory=time.monotonic)
+    watch: Stopwatch = field(default_factory=Stopwatch)
 
     @staticmethod
     def of(compiled: Compiled, backend: Backend, options: SolveOptions) -> Work:
@@ -57,7 +56,7 @@ class Work:
     @property
     def seconds(self) -> float:
         """Since it began."""
-        return time.monotonic() - self.began
+        return self.watch.seconds
 
     def can(self, wanted: Capability) -> bool:
         """Whether the backend has all these capabilities."""

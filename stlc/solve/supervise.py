@@ -8,13 +8,13 @@ leaves a solver behind that overruns by more than a grace.
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from queue import Empty, SimpleQueue
 
 from stlc.backends.base import Progress, Solution, SolveOptions
 from stlc.backends.quiet import aloud
+from stlc.solve.deadline import Deadline
 
 _POLL = 0.05  # s
 _NAME = "stlc-solve"
@@ -65,19 +65,17 @@ class Supervisor:
             self._queue.put(_End(None, error))
 
     def _wait(self) -> Solution | None:
-        limit, began, asked_at = self.options.time_limit, time.monotonic(), float("inf")
-        end = float("inf") if limit is None else began + limit
+        deadline = Deadline.after(self.options.time_limit)
         while True:
             over = self._deliver(self._pending())
             if over is not None:
                 if over.error is not None:
                     raise over.error
                 return over.answer
-            now = time.monotonic()
             if not self.stopped and self._asked():
-                self.stopped, asked_at = True, now
+                self.stopped, deadline = True, deadline.within(0.0)
                 self._halt.set()
-            if self.grace is not None and now > min(end, asked_at) + self.grace:
+            if self.grace is not None and deadline.left < -self.grace:
                 return None
 
     def _asked(self) -> bool:

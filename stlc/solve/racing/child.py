@@ -13,7 +13,6 @@ import subprocess
 import sys
 import tempfile
 import threading
-import time
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from pathlib import Path
@@ -21,6 +20,7 @@ from typing import IO, cast
 
 from stlc.errors import SolverError
 from stlc.files import scratch_folder
+from stlc.solve.deadline import Stopwatch
 from stlc.solve.racing.messages import read_message, write_message
 
 
@@ -36,7 +36,7 @@ class Child:
         memory: int | None = None,
     ) -> None:  # fmt: skip
         self._memory = memory
-        self._began = time.monotonic()
+        self._watch = Stopwatch()
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115 (closed in `end`)
         self._kept = ExitStack()
         folder = self._kept.enter_context(scratch_folder())
@@ -64,7 +64,7 @@ class Child:
 
     def seconds(self) -> float:
         """Since its start."""
-        return time.monotonic() - self._began
+        return self._watch.seconds
 
     def why(self) -> str:
         """Why the process ended without an answer."""

@@ -6,7 +6,6 @@ dask's `cancel` does not stop a running solve, so the tasks watch a shared event
 from __future__ import annotations
 
 import pickle
-import time
 import uuid
 from collections.abc import Callable, Sequence
 from importlib import import_module
@@ -14,6 +13,7 @@ from typing import Any
 
 from stlc.backends.base import Progress
 from stlc.errors import SolverError
+from stlc.solve.deadline import Deadline
 from stlc.solve.racing.race import Finish, Lap, Race, Racer, Report, best, check_names, race
 
 _POLL = 0.2  # s
@@ -47,7 +47,7 @@ def race_on_cluster(
         finally:
             stop_event(word, client).set()
         if not _decided(laps):
-            _gather(futures, laps, reports, _after(_LAST_WORD))
+            _gather(futures, laps, reports, Deadline.after(_LAST_WORD).over)
         reports.close()
         ended = [Lap(r.name, Finish.ENDED, 0.0) for r in racers if r.name not in laps]
         everyone = laps | {lap.name: lap for lap in ended}
@@ -106,11 +106,6 @@ class _Reports:
     def close(self) -> None:
         """No more of it."""
         self._queue.close()
-
-
-def _after(seconds: float) -> Callable[[], bool]:
-    end = time.monotonic() + seconds
-    return lambda: time.monotonic() > end
 
 
 def _decided(laps: dict[str, Lap]) -> bool:

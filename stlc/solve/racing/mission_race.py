@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -14,6 +13,7 @@ from stlc.errors import (
     InterruptedSolveError,
     NoPlanError,
 )
+from stlc.solve.deadline import Stopwatch
 from stlc.solve.events import (
     DiagnosticEvent,
     Listener,
@@ -100,8 +100,10 @@ class MissionRace:
             return Race(None, ())
 
     def _incumbent(self, racer: Racer) -> Incumbent:
-        now, judge = time.perf_counter(), self._judge_of(racer.name).judge
-        return Incumbent(judge, self.listen, racer.backend, racer.backend, self.save_to, now)
+        judge = self._judge_of(racer.name).judge
+        return Incumbent(
+            judge, self.listen, racer.backend, racer.backend, self.save_to, Stopwatch()
+        )
 
     def _judge_of(self, name: str) -> Judge:
         encoding = name.partition(":")[2] or "auto"
