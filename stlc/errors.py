@@ -49,7 +49,8 @@ class InfeasibleError(StlcError):
 
 
 class NoPlanError(StlcError):
-    """The limits were reached with no certified plan in hand; no plan costs less than `bound`."""
+    """The limits were reached with no certified plan in hand; no plan is better than `bound`,
+    which goes the mission's way."""
 
     exit_status = 4
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stlc.ir.requirement import Requirement
+from stlc.sense import Sense
 from stlc.source import Source, Span
 
 if TYPE_CHECKING:
@@ -289,6 +290,7 @@ class Mission:
     signals: tuple[str, ...] = ()  # free signals, for `stlc monitor`
     warnings: tuple[Diagnostic, ...] = ()
     workspace_swept: bool = False
+    sense: Sense = Sense.MINIMIZE  # of what a person sees; `objective` is minimised
     params: Mapping[str, str] = field(default_factory=dict)  # what `-D` set, as it was given
 
     def summary(self) -> str:

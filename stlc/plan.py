@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stlc.files import write_atomic
+from stlc.sense import Sense
 
 if TYPE_CHECKING:
     from stlc.mission import Agent, Mission
@@ -61,7 +62,7 @@ class LinkSeries:
 
 @dataclass(frozen=True, slots=True)
 class SolveInfo:
-    """How a plan was come by. Objective as the mission states it (minimised); gap relative."""
+    """How a plan was come by. Objective and bound go the way of `sense`; gap relative."""
 
     status: str = "unknown"
     objective: float | None = None
@@ -71,6 +72,7 @@ class SolveInfo:
     solver: str = ""
     encoding: str = ""
     seconds: Mapping[str, float] = field(default_factory=dict)
+    sense: Sense = Sense.MINIMIZE
 
 
 @dataclass(frozen=True, slots=True, eq=False)

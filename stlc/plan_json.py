@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from stlc.errors import UsageError
 from stlc.inputs import InputError, read_input
 from stlc.plan import FORMAT_VERSION, LinkSeries, Plan, RequirementValue, Run, SolveInfo
+from stlc.sense import Sense
 
 Array = NDArray[np.float64]
 
@@ -239,8 +240,18 @@ def _read_solve(place: _Place) -> SolveInfo:
     seconds = {k: p.number() for k, p in place["seconds"].fields().items()}
     return SolveInfo(
         words["status"], figures["objective"], figures["bound"], figures["gap"],
-        words["backend"], words["solver"], words["encoding"], seconds,
+        words["backend"], words["solver"], words["encoding"], seconds, _read_sense(place),
     )  # fmt: skip
+
+
+def _read_sense(place: _Place) -> Sense:
+    """Plans that don't say so are minimised, whatever their mission."""
+    if not place.has("sense"):
+        return Sense.MINIMIZE
+    word = place["sense"].text()
+    if word not in tuple(Sense):
+        raise place["sense"].fail(" or ".join(f"{s.value!r}" for s in Sense))
+    return Sense(word)
 
 
 def _read_requirement(place: _Place) -> RequirementValue:

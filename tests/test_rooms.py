@@ -11,7 +11,17 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 
-LEAVES = {"source", "record", "arrays", "errors", "diagnostics", "files", "inputs", "loader"}
+LEAVES = {
+    "source",
+    "record",
+    "arrays",
+    "errors",
+    "diagnostics",
+    "files",
+    "inputs",
+    "loader",
+    "sense",
+}
 """Rooms that everything may use; they use one another only."""
 
 MAY: Mapping[str, set[str]] = {

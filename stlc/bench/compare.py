@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from stlc.bench.groups import Group
+from stlc.sense import Sense
 
 _NOISE = 0.25  # relative, assumed where one repeat says nothing of it
 _LEAST_NOISE = 0.10
@@ -61,13 +62,16 @@ def _change(kind: str, now: Group, text: str, ratio: float | None = None) -> Cha
 
 
 def _optimum(now: Group, before: Group) -> list[Change]:
-    a, b = now.value("objective"), before.value("objective")
+    a, b = now.minimised, before.minimised
     if now.status != "optimal" or before.status != "optimal" or a is None or b is None:
         return []
     allowed = 1e-6 + now.first.gap_limit + before.first.gap_limit
     if abs(a - b) <= allowed * max(1.0, abs(a), abs(b)):
         return []
-    return [_change("disagreement", now, f"the proven optimum was {b:.9g} and is {a:.9g}")]
+    own = Sense(now.first.sense).own
+    return [
+        _change("disagreement", now, f"the proven optimum was {own(b):.9g} and is {own(a):.9g}")
+    ]
 
 
 def _proof(now: Group, before: Group) -> list[Change]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from statistics import median
 
 from stlc.bench.record import Record
+from stlc.sense import Sense
 
 BEST_PEER = "better peer"
 
@@ -48,6 +49,11 @@ class Group:
         """Median of a figure over the runs that have it."""
         known = [float(v) for run in self.runs if (v := getattr(run, name)) is not None]
         return median(known) if known else None
+
+    @property
+    def minimised(self) -> float | None:
+        """The objective, maximised ones with a minus sign: what compares between all tools."""
+        return Sense(self.first.sense).own(self.value("objective"))
 
 
 _RANK = (
@@ -140,11 +146,14 @@ def disagreements(table: Table) -> list[str]:
     for problem, row in table.rows.items():
         proven = [(label, g) for label, g in row.items() if g.status == "optimal"]
         for label, group in proven[1:]:
-            (first, other), mine = proven[0], group.value("objective")
-            theirs = other.value("objective")
+            (first, other), mine = proven[0], group.minimised
+            theirs = other.minimised
             if mine is None or theirs is None:
                 continue
             allowed = 1e-6 + group.first.gap_limit + other.first.gap_limit
+            own = Sense(group.first.sense).own
             if abs(mine - theirs) > allowed * max(1.0, abs(mine), abs(theirs)):
-                found.append(f"{problem}: {first} proves {theirs:.9g}, {label} proves {mine:.9g}")
+                found.append(
+                    f"{problem}: {first} proves {own(theirs):.9g}, {label} proves {own(mine):.9g}"
+                )
     return found

@@ -70,11 +70,13 @@ class _Run:
         solution = self._solve(mission, compiled)
         self.send(
             solver_seconds=time.perf_counter() - began, cpu_seconds=cpu_seconds() - cpu,
-            nodes=solution.nodes, solver=solution.solver_version, bound=solution.bound,
+            nodes=solution.nodes, solver=solution.solver_version,
+            bound=mission.sense.own(solution.bound),
         )  # fmt: skip
         self._judge(mission, compiled, solution)
         if self.job.repeat == 0:
-            self.send(lp_bound=relaxation(compiled.model, self.job.limits.seconds))
+            bound = relaxation(compiled.model, self.job.limits.seconds)
+            self.send(lp_bound=mission.sense.own(bound))
 
     def _read(self) -> Mission:
         with scratch_folder() as folder:
@@ -83,7 +85,7 @@ class _Run:
             main = self.job.main
             text = self.job.files[main].decode()
             mission = loads(text, name=main, folder=folder)
-        self.send(read_seconds=self.seconds())
+        self.send(read_seconds=self.seconds(), sense=mission.sense.value)
         return mission
 
     def _compile(self, mission: Mission) -> Compiled:
@@ -103,8 +105,9 @@ class _Run:
         from stlc.solve.strategies import run_strategy
 
         def report(progress: Progress) -> None:
-            at = (progress.seconds, progress.objective, progress.bound, progress.nodes)
-            self.tell(Point(*at))
+            own = mission.sense.own
+            objective, bound = own(progress.objective), own(progress.bound)
+            self.tell(Point(progress.seconds, objective, bound, progress.nodes))
             if progress.incumbent is not None and self.first is None:
                 self._check_first(mission, compiled, progress)
 

@@ -22,6 +22,7 @@ class Record:
     verified; `compile_*` are parts of it. `solver_seconds` is the solver (and strategy) alone,
     `cpu_seconds` the processor time of the same, all threads and child processes together.
     `gap_60` is the relative gap after 60 s of the solver, or at its end if that came before.
+    `objective`, `bound`, `lp_bound` and the trace go the way of `sense`, the mission's own.
     `trace` is (seconds of the solver, objective, bound, nodes) over time.
     """
 
@@ -73,6 +74,7 @@ class Record:
     code: str = ""
     digest: str = ""
     finished: str = ""  # UTC
+    sense: str = "minimize"
     trace: tuple[tuple[float | None, ...], ...] = ()
 
     @property

@@ -96,6 +96,7 @@ def _summary(result: Result) -> str:
 def _as_dict(result: Result) -> dict[str, Any]:
     return {
         "winner": result.winner,
+        "sense": result.plan.solve.sense.value,
         "objective": result.plan.solve.objective,
         "proven": result.proven,
         "refused": result.refused,

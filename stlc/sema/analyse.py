@@ -108,6 +108,7 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
         channels=scope.channels,
         requirements=tuple(requirements),
         objective=objective.finish(terms, tuple(requirements), steps, report),
+        sense=objective.sense(_of(statements, ast.Objective)),
         signals=tuple(scope.signals),
         workspace_swept=swept,
     )

@@ -1,6 +1,11 @@
-"""The objective: a weighted sum of efforts, link costs and robustness, all to be minimised."""
+"""The objective: a weighted sum of efforts, link costs and robustness, all to be minimised.
+
+The sense that a person meant is kept beside it: reports go its way.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 from stlc.ir.requirement import Requirement
 from stlc.mission import ObjectiveTerm, TermKind
@@ -12,6 +17,7 @@ from stlc.sema.report import Mistake, Report
 from stlc.sema.robust_units import units_in
 from stlc.sema.scope import EMPTY, Scope
 from stlc.sema.values import Env
+from stlc.sense import Sense
 from stlc.syntax import ast
 
 
@@ -21,6 +27,12 @@ def objective(statement: ast.Objective, scope: Scope) -> list[ObjectiveTerm]:
     terms: list[ObjectiveTerm] = []
     _collect(statement.expression, sign, EMPTY, scope, terms)
     return [t for t in terms if t.weight != 0.0]
+
+
+def sense(statements: Sequence[ast.Objective]) -> Sense:
+    """MAXIMIZE where every statement does; where both stand, their sum is minimised."""
+    maximised = [statement.sense == "maximize" for statement in statements]
+    return Sense.MAXIMIZE if maximised and all(maximised) else Sense.MINIMIZE
 
 
 def _collect(

@@ -17,6 +17,7 @@ from stlc.backends.base import Floats, Solution, SolveOptions, Status, relative_
 from stlc.errors import SolverError
 from stlc.milp.model import Model
 from stlc.milp.violations import Violations, exact_objective, violations
+from stlc.sense import Sense
 
 TOLERANCE = 1e-6  # absolute, for rows and bounds: what solvers promise by default
 _FRACTION = 1e-4  # beyond every solver's own integrality tolerance (1e-6 to 1e-5)
@@ -49,17 +50,18 @@ class Certified:
             return None
         return relative_gap(self.objective, min(self.bound, self.objective))
 
-    def as_dict(self) -> dict[str, object]:
-        """JSON form: point, objective and claim apart."""
+    def as_dict(self, sense: Sense = Sense.MINIMIZE) -> dict[str, object]:
+        """JSON form: point, objective and claim apart; figures go the way of the mission's `sense`,
+        warnings quote the model, which minimises."""
         return {
             "status": self.status.value,
-            "objective": self.objective,
-            "bound": self.bound,
+            "objective": sense.own(self.objective),
+            "bound": sense.own(self.bound),
             "gap": self.gap,
             "tolerance": self.tolerance,
             "claim": {
                 "status": self.claim.status.value,
-                "objective": self.claim.objective,
+                "objective": sense.own(self.claim.objective),
                 "solver": self.claim.solver,
                 "solver_version": self.claim.solver_version,
             },

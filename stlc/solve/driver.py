@@ -20,6 +20,7 @@ from stlc.errors import (
     NoPlanError,
     SolverError,
 )
+from stlc.sense import Sense
 from stlc.solve.deadline import Deadline, Stopwatch
 from stlc.solve.events import (
     DiagnosticEvent,
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from stlc.mission import Mission
     from stlc.solve.confirm import RefutedError
 
+_INTERRUPTED = "interrupted before a plan was found"
 _OPINION = 60.0  # s that a second solver may take at least to confirm an infeasible claim
 
 
@@ -95,7 +97,7 @@ class _Job:
         self.judge = Judge(self.mission, self.compiled, self.encoding)
         self.incumbent = Incumbent(
             self.judge.judge, self.listen, self.backend.name, self.backend.version(),
-            self.settings.save_to, self.watch,
+            self.settings.save_to, self.watch, self.mission.sense,
         )  # fmt: skip
 
     def run(self, compile_seconds: float) -> Outcome:
@@ -160,9 +162,7 @@ class _Job:
         return replace(self.deadline.bind(asked), on_progress=self._on_progress)
 
     def _on_progress(self, progress: Progress) -> None:
-        seconds = self.watch.seconds
-        where = (progress.objective, progress.bound, progress.gap, progress.nodes)
-        self.listen(ProgressEvent(seconds, *where))
+        self.listen(ProgressEvent.of(progress, self.mission.sense, self.watch.seconds))
         self.incumbent.raise_bound(progress.bound)
         if progress.incumbent is not None:
             x = progress.incumbent
@@ -181,11 +181,10 @@ class _Job:
         if self._stopped:
             self.listen(StatusEvent("stop", "interrupted"))
         if standing is None:
-            bound = self.incumbent.bound
-            text = _bound_text(bound)
             if self._stopped:
-                raise InterruptedSolveError(f"interrupted before a plan was found{text}", bound)
-            raise NoPlanError(_no_plan(self.settings, self.backend.version(), bound), bound)
+                raise self._without(InterruptedSolveError, _INTERRUPTED, self.incumbent.bound)
+            text = _no_plan(self.settings, self.backend.version())
+            raise self._without(NoPlanError, text, self.incumbent.bound)
         plan, report, solution = standing
         took = {**took, "verify": self.incumbent.judged}
         plan = replace(plan, solve=replace(plan.solve, seconds=took))
@@ -197,13 +196,21 @@ class _Job:
             case Status.INFEASIBLE:
                 return self._doubt(solution, seconds)
             case Status.NO_SOLUTION:
-                bound = solution.bound
-                raise NoPlanError(_no_plan(self.settings, solution.solver_version, bound), bound)
+                text = _no_plan(self.settings, solution.solver_version)
+                raise self._without(NoPlanError, text, solution.bound)
             case Status.UNBOUNDED | Status.FAILED:
                 text = f"{solution.solver_version} ended with '{solution.status.value}'"
                 raise SolverError(f"{text}: {solution.message}" if solution.message else text)
             case Status.OPTIMAL | Status.FEASIBLE:
                 return self._finish(solution, seconds)
+
+    def _without(self, kind: type[NoPlanError], text: str, bound: float | None) -> NoPlanError:
+        """The error of a solve that has a bound at most, said in the mission's sense."""
+        limit = self.mission.sense.own(bound)
+        if limit is None:
+            return kind(text)
+        word = "cost less" if self.mission.sense is Sense.MINIMIZE else "be worth more"
+        return kind(f"{text}; no plan can {word} than {limit:.6g}", limit)
 
     def _finish(self, solution: Solution, seconds: dict[str, float]) -> Outcome:
         judging = Stopwatch()
@@ -279,10 +286,6 @@ class _Job:
         return self._finish(solution, seconds)
 
 
-def _no_plan(settings: SolveSettings, solver: str, bound: float | None) -> str:
+def _no_plan(settings: SolveSettings, solver: str) -> str:
     limit = "" if settings.time_limit is None else f" within {settings.time_limit:g} s"
-    return f"{solver} found no plan{limit}{_bound_text(bound)}"
-
-
-def _bound_text(bound: float | None) -> str:
-    return "" if bound is None else f"; no plan can cost less than {bound:.6g}"
+    return f"{solver} found no plan{limit}"

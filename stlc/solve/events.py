@@ -9,14 +9,19 @@ import json
 import math
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
-from typing import ClassVar, Protocol
+from typing import TYPE_CHECKING, ClassVar, Protocol
 
 from stlc.diagnostics import Diagnostic
+from stlc.sense import Sense
+
+if TYPE_CHECKING:
+    from stlc.backends.base import Progress
 
 
 @dataclass(frozen=True, slots=True)
 class ProgressEvent:
-    """Where the solver stands. Seconds since the solve began; gap relative."""
+    """Where the solver stands. Seconds since the solve began; objective and bound go the way that
+    the mission states; gap relative."""
 
     event: ClassVar[str] = "progress"
     seconds: float
@@ -24,6 +29,11 @@ class ProgressEvent:
     bound: float | None
     gap: float | None
     nodes: int | None
+
+    @staticmethod
+    def of(p: Progress, sense: Sense, seconds: float) -> ProgressEvent:
+        """A solver's report, which is of a minimisation."""
+        return ProgressEvent(seconds, sense.own(p.objective), sense.own(p.bound), p.gap, p.nodes)
 
 
 @dataclass(frozen=True, slots=True)

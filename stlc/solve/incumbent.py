@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from stlc.backends.base import Floats, Solution, Status, relative_gap
 from stlc.errors import OutputError, SolverError
+from stlc.sense import Sense
 from stlc.solve.deadline import Stopwatch
 from stlc.solve.events import DiagnosticEvent, Listener, SolutionEvent
 
@@ -32,6 +33,7 @@ class Incumbent:
     version: str
     save_to: Path | None
     watch: Stopwatch  # since the solve began
+    sense: Sense = Sense.MINIMIZE  # of events and plans; `objective` and `bound` are minimised
     objective: float = float("inf")
     bound: float | None = None
     plan: Plan | None = None
@@ -64,7 +66,9 @@ class Incumbent:
         self.judged = judging.seconds
         self.objective, self.plan, self.report, self.claim = objective, plan, report, claim
         saved = self._save(plan)
-        self.listen(SolutionEvent(seconds, objective, str(self.save_to) if saved else None))
+        self.listen(
+            SolutionEvent(seconds, self.sense.own(objective), str(self.save_to) if saved else None)
+        )
 
     def _sound(self, objective: float) -> float | None:
         return None if self.bound is None else min(self.bound, objective)
@@ -89,5 +93,6 @@ class Incumbent:
         bound = self._sound(self.objective)
         seconds = self.watch.seconds
         claim = replace(self.claim, bound=bound, seconds=seconds)
-        info = replace(self.plan.solve, bound=bound, gap=relative_gap(self.objective, bound))
+        gap = relative_gap(self.objective, bound)
+        info = replace(self.plan.solve, bound=self.sense.own(bound), gap=gap)
         return replace(self.plan, solve=info), self.report, claim

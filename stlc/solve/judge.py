@@ -40,14 +40,14 @@ class Judge:
         certified = certify(self.compiled.model, claim, options=asked)
         if certified.x is None:
             raise SolverError(f"{claim.solver} gave no point")
-        run = self.compiled.decode(certified.x)
+        run, sense = self.compiled.decode(certified.x), self.mission.sense
         info = SolveInfo(
-            certified.status.value, certified.objective, certified.bound, certified.gap,
-            claim.solver, claim.solver_version, self.encoding,
+            certified.status.value, sense.own(certified.objective), sense.own(certified.bound),
+            certified.gap, claim.solver, claim.solver_version, self.encoding, sense=sense,
         )  # fmt: skip
         plan = make_plan(self.mission, run.states, run.inputs, info)
         report = verify(self.mission, plan, self.compiled.channels)
-        return report.annotate(plan, certified.as_dict()), report
+        return report.annotate(plan, certified.as_dict(sense)), report
 
     def accept(self, claim: Solution, asked: SolveOptions | None = None) -> tuple[Plan, Report]:
         """As `judge`; DisagreementError when the verifier refuses what the Model accepts."""

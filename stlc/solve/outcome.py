@@ -59,6 +59,7 @@ class Outcome:
         info, m = self.plan.solve, self.compiled.model
         return {
             "status": info.status,
+            "sense": info.sense.value,
             "objective": info.objective,
             "bound": info.bound,
             "gap": info.gap,

@@ -29,7 +29,7 @@ def statistics(compiled: Compiled) -> dict[str, Any]:
         "binaries": m.binaries,
         "rows": m.rows,
         "nonzeros": m.nonzeros,
-        "lp_bound": lp_bound(m),
+        "lp_bound": compiled.mission.sense.own(lp_bound(m)),
         "seconds": compiled.stats.seconds,
         "by_origin": {
             label: dict(zip(keys, sizes, strict=True))

@@ -57,7 +57,7 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
         *requirement_violations(mission, requirements),
         *passages(mission, chains),
         *(v for rigorous, v in findings if rigorous),
-        *objective_violations(plan.solve, objective, terms),
+        *objective_violations(plan.solve, objective, terms, mission.sense),
     ]
     return Report(
         mission.source.name,
@@ -70,6 +70,7 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
         _residual(mission, plan),
         tuple(_clearances(mission, motion, chains)),
         link_series(subject, cells, true),
+        mission.sense,
     )
 
 

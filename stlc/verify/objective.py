@@ -10,6 +10,7 @@ import numpy as np
 from stlc.mission import ObjectiveTerm, TermKind
 from stlc.plan import SolveInfo
 from stlc.scales import static_range, steps_of
+from stlc.sense import Sense
 from stlc.verify.links import CellModel
 from stlc.verify.report import TermReport, Violation
 from stlc.verify.robustness import Evaluator, Trace
@@ -22,7 +23,7 @@ def term_reports(subject: Subject, cells: CellModel, trace: Trace) -> tuple[Term
 
 
 def total(terms: Sequence[TermReport]) -> tuple[float, float] | None:
-    """Lowest and highest objective over ties; None when a term can't be judged."""
+    """Lowest and highest objective over ties, in the terms' sense; None if one can't be judged."""
     ends = [sorted((t.weight * t.low, t.weight * t.high)) for t in terms]
     low, high = math.fsum(e[0] for e in ends), math.fsum(e[1] for e in ends)
     return None if math.isnan(low + high) else (low, high)
@@ -37,7 +38,8 @@ def _term(subject: Subject, term: ObjectiveTerm, cells: CellModel, trace: Trace)
         case TermKind.ROBUSTNESS:
             low, high = (_robustness(subject, term, trace, faces=f) for f in (True, False))
     scale = static_range(subject.mission, term, subject.tables)
-    return TermReport(_name(term), term.weight, low / scale, high / scale, term.span)
+    weight = subject.mission.sense.own(term.weight)
+    return TermReport(_name(term), weight, low / scale, high / scale, term.span)
 
 
 def _name(term: ObjectiveTerm) -> str:
@@ -90,30 +92,29 @@ def _robustness(subject: Subject, term: ObjectiveTerm, trace: Trace, *, faces: b
 
 
 def objective_violations(
-    claim: SolveInfo, found: tuple[float, float] | None, terms: Sequence[TermReport]
+    claim: SolveInfo,
+    found: tuple[float, float] | None,
+    terms: Sequence[TermReport],
+    sense: Sense,
 ) -> Iterator[Violation]:
     """A claimed objective that the run doesn't reach, or a bound that the run refutes.
 
     The run may be better than claimed (slack in a model's auxiliary columns), never worse; and no
-    run is better than a proven bound.
+    run is better than a proven bound. `found` goes the way of `sense`, the claim its own.
     """
     if found is None:
         lost = ", ".join(t.name for t in terms if math.isnan(t.low))
         yield Violation("objective", f"the objective can't be judged: {lost}", math.inf)
         return
-    low, high = found
-    if claim.objective is not None:
-        excess = low - claim.objective
-        if excess > _slack(claim.objective):
-            text = (
-                f"the plan's objective is {low:.9g}, worse than the {claim.objective:.9g} claimed"
-            )
-            yield Violation("objective", text, excess)
-    if claim.bound is not None:
-        excess = claim.bound - high
-        if excess > _slack(claim.bound):
-            text = f"the plan's objective {high:.9g} is below the proven bound {claim.bound:.9g}"
-            yield Violation("bound", text, excess)
+    low, high = sorted(map(sense.own, found))
+    claimed, bound = claim.sense.own(claim.objective), claim.sense.own(claim.bound)  # minimised
+    if claimed is not None and low - claimed > _slack(claimed):
+        told = f"{sense.own(low):.9g}, worse than the {sense.own(claimed):.9g} claimed"
+        yield Violation("objective", f"the plan's objective is {told}", low - claimed)
+    if bound is not None and bound - high > _slack(bound):
+        side = "below" if sense is Sense.MINIMIZE else "above"
+        told = f"{sense.own(high):.9g} is {side} the proven bound {sense.own(bound):.9g}"
+        yield Violation("bound", f"the plan's objective {told}", bound - high)
 
 
 def _slack(value: float) -> float:

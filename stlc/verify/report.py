@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from stlc.plan import LinkSeries, Plan, RequirementValue
+from stlc.sense import Sense
 from stlc.source import Span
 
 
@@ -59,7 +60,10 @@ class RequirementReport:
 
 @dataclass(frozen=True, slots=True)
 class TermReport:
-    """One term of the objective, weight left out; a tie at a cell border gives an interval."""
+    """One term of the objective, weight left out; a tie at a cell border gives an interval.
+
+    The weight is that of the mission's own sense.
+    """
 
     name: str
     weight: float
@@ -113,6 +117,7 @@ class Report:
     residual: float  # largest dynamics residual
     clearances: tuple[Clearance, ...]
     links: tuple[LinkSeries, ...]
+    sense: Sense = Sense.MINIMIZE  # which way `objective` and the weights of `terms` go
 
     @property
     def ok(self) -> bool:
@@ -145,6 +150,7 @@ class Report:
             "violations": [_violation(v) for v in self.violations],
             "approximate": [_violation(v) for v in self.approximate],
             "requirements": [_requirement(r) for r in self.requirements],
+            "sense": self.sense.value,
             "objective": _ends(self.objective),
             "terms": [
                 {"name": t.name, "weight": t.weight, "value": _ends((t.low, t.high))}
@@ -203,10 +209,11 @@ def _further(r: RequirementReport) -> str:
 def _objective_lines(report: Report) -> list[str]:
     if report.objective is None or not report.terms:
         return []
-    low, high = report.objective
-    tied = high - low > 1e-9 * max(1.0, abs(high))
-    remark = f" (cheapest of tied cells; {high:.8g} with the dearest)" if tied else ""
-    lines = [f"  objective {low:.8g}{remark}"]
+    ends = report.objective
+    best, worst = ends if report.sense is Sense.MINIMIZE else ends[::-1]
+    tied = abs(worst - best) > 1e-9 * max(1.0, abs(worst))
+    remark = f" (best of tied cells; {worst:.8g} with the worst)" if tied else ""
+    lines = [f"  objective {best:.8g}{remark}"]
     return lines + [f"    {t.weight:+g} x {t.name} = {t.low:.8g}" for t in report.terms]
 
 

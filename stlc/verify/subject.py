@@ -100,14 +100,14 @@ def _listed(labels: Sequence[str]) -> str:
 
 
 def _check_claims(plan: Plan) -> None:
-    """No claim is NaN; an objective is finite, a bound may be missing (-inf) but not beyond all."""
+    """No claim is NaN; an objective is finite, a bound may be infinitely good, no worse."""
     solve = plan.solve
     for name, value in (("objective", solve.objective), ("bound", solve.bound), ("gap", solve.gap)):
         if value is not None and math.isnan(value):
             raise UsageError(f"the plan's {name} is not a number")
     if solve.objective is not None and not math.isfinite(solve.objective):
         raise UsageError("the plan's objective is not finite")
-    if solve.bound == math.inf:
+    if solve.sense.own(solve.bound) == math.inf:
         raise UsageError("the plan's bound is not finite")
     for item in plan.requirements:
         if math.isnan(item.margin) or (item.robustness is not None and math.isnan(item.robustness)):

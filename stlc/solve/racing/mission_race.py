@@ -100,17 +100,16 @@ class MissionRace:
             return Race(None, ())
 
     def _incumbent(self, racer: Racer) -> Incumbent:
-        judge = self._judge_of(racer.name).judge
-        return Incumbent(
-            judge, self.listen, racer.backend, racer.backend, self.save_to, Stopwatch()
-        )
+        judge, name = self._judge_of(racer.name).judge, racer.backend
+        sense = self.mission.sense
+        return Incumbent(judge, self.listen, name, name, self.save_to, Stopwatch(), sense)
 
     def _judge_of(self, name: str) -> Judge:
         encoding = name.partition(":")[2] or "auto"
         return Judge(self.mission, self.compiled[name], encoding)
 
     def _on_progress(self, name: str, p: Progress) -> None:
-        self.listen(ProgressEvent(p.seconds, p.objective, p.bound, p.gap, p.nodes))
+        self.listen(ProgressEvent.of(p, self.mission.sense, p.seconds))
         if p.incumbent is None:
             return
         incumbent = self._incumbents[name]
