@@ -226,7 +226,7 @@ def test_objective_term_by_term():
         (1.25, 1.25),
     ]
     assert report.objective == (1.0 + 1.0 + 2 * cheap - 1.25, 1.0 + 1.0 + 2 * dear - 1.25)
-    assert "cheapest of tied cells" in report.text()
+    assert "best of tied cells" in report.text()
 
 
 def test_normalised_divides_by_the_static_range():
