@@ -19,8 +19,9 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
 
 # Processes of their own and whole searches: a third of the tests, most of the time.
 SLOW = (
-    "backends/test_race.py", "bench", "cli", "docs", "oracle", "solve/test_links",
-    "solve/test_parts", "solve/test_team", "tables", "test_wheel.py",
+    "backends/test_race.py", "bench", "cli", "docs", "milp/tables", "solve/bounders",
+    "solve/test_link_search", "solve/test_link_kinds", "test_wheel.py", "verify/test_definition",
+    "verify/test_peers",
 )  # fmt: skip
 
 

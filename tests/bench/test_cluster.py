@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from support.tiny import registry
 
 from stlc.bench.cluster import run_on_cluster
 from stlc.bench.job import Job, Limits
@@ -19,8 +20,6 @@ from stlc.bench.local import run_local
 from stlc.bench.record import Record
 from stlc.bench.registry import load_suites
 from stlc.bench.schedule import Choice, schedule
-
-from .tiny import registry
 
 pytest.importorskip("distributed")
 

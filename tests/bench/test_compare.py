@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from support.tiny import record
+
 from stlc.bench.compare import changes, noise
 from stlc.bench.groups import groups_of
 from stlc.bench.record import Record
-
-from .tiny import record
 
 
 def _kinds(now: list[Record], before: list[Record]) -> list[str]:

@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 
 import pytest
+from support.tiny import record
 
 from stlc.bench.families import families_of, spread_text
 from stlc.bench.groups import BEST_PEER, disagreements, groups_of, seconds_of, tables_of
@@ -16,8 +17,6 @@ from stlc.bench.measures import (
     shifted_geometric_mean,
     summaries,
 )
-
-from .tiny import record
 
 
 def test_shifted_geometric_mean() -> None:

@@ -8,14 +8,13 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 from click.testing import CliRunner, Result
+from support.tiny import record, registry
 
 from stlc.bench.page import page
 from stlc.bench.store import Store
 from stlc.bench.summary import summary_text
 from stlc.cli.bench import bench_command
 from stlc.errors import UsageError
-
-from .tiny import record, registry
 
 _TRACE = ((0.1, 2.0, 0.5, 0), (0.2, 1.0, 1.0, 3))
 

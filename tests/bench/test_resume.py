@@ -9,9 +9,9 @@ import sys
 import time
 from pathlib import Path
 
-from stlc.bench.store import Store
+from support.tiny import registry
 
-from .tiny import registry
+from stlc.bench.store import Store
 
 _KILLS = 5
 

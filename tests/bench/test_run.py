@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from support.tiny import MISSION, job
 
 from stlc.api import loads
 from stlc.bench.job import Config, Limits
@@ -15,8 +16,6 @@ from stlc.bench.run import run_job
 from stlc.errors import SolverError
 from stlc.milp.compile import compile_mission
 from stlc.milp.writers import write_model
-
-from .tiny import MISSION, job
 
 
 def _run(made: object) -> Record:

@@ -6,14 +6,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from support.tiny import job, record, registry
 
 from stlc.bench.job import Config, Limits
 from stlc.bench.registry import chosen_suites, load_suites
 from stlc.bench.rounds import pending, rounds
 from stlc.bench.schedule import Choice, ablations, configs, schedule
 from stlc.errors import UsageError
-
-from .tiny import job, record, registry
 
 
 def _order(folder: Path, choice: Choice) -> list[tuple[str, str, int]]:

@@ -6,12 +6,11 @@ import sqlite3
 from pathlib import Path
 
 import pytest
+from support.tiny import record
 
 from stlc.bench.store import Store
 from stlc.bench.table import read_csv, read_runs, to_csv
 from stlc.errors import OutputError, UsageError
-
-from .tiny import record
 
 
 def test_a_run_is_kept_once(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib.metadata import EntryPoint
 
 import pytest
+from support.worlds import agent, mission
 
 from stlc.backends import get
 from stlc.backends.base import SolveOptions
@@ -18,7 +19,6 @@ from stlc.milp.formulas.auto import choose
 from stlc.milp.model import Model
 from stlc.mission import Mission, ObjectiveTerm, TermKind
 from stlc.solve.statistics import lp_bound
-from tests.milp.worlds import agent, mission
 
 EFFORT = (ObjectiveTerm(TermKind.EFFORT, 1.0),)
 

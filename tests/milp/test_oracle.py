@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from support.worlds import SYSTEMS, agent, atoms, formulas, mission, most_robust, runs, value
 
 from stlc.backends import get
 from stlc.backends.base import SolveOptions, Status
@@ -21,7 +22,6 @@ from stlc.passes import PIPELINE
 from stlc.passes.horizon import last_steps
 from stlc.solve.heuristics.dive import find_start
 from stlc.trajectories import Trajectories
-from tests.milp.worlds import SYSTEMS, agent, atoms, formulas, mission, most_robust, runs, value
 
 OPTIONAL = sorted(p.name for p in PIPELINE if not p.lowering)
 NEAR = 1e-5

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.worlds import mission, most_robust
 
 from stlc.backends import get
 from stlc.backends.base import SolveOptions, Status
@@ -14,7 +15,6 @@ from stlc.ir.requirement import Requirement
 from stlc.milp.compile import compile_mission
 from stlc.mission import Agent, Dynamics, Mission, TurnRate
 from stlc.trajectories import Trajectories
-from tests.milp.worlds import mission, most_robust
 
 
 def cart(turn: TurnRate, velocity: tuple[float, float]) -> Agent:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from support.worlds import agent, mission, most_robust, runs, value
 
 from stlc.analysis.reach import reach
 from stlc.errors import UsageError
@@ -14,7 +15,6 @@ from stlc.ir.requirement import Requirement
 from stlc.ir.verify import BrokenProgram, Stage, verify
 from stlc.mission import Mission
 from stlc.passes import PIPELINE, Program, run_pipeline
-from tests.milp.worlds import agent, mission, most_robust, runs, value
 
 P, Q, R = "[1*a.state.0 - 1]", "[-1*a.state.0 + 2]", "[1*a.input.0 + 0]"
 PASSES = {p.name: p for p in PIPELINE}

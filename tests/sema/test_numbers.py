@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.formulas import make_trace
 
 from stlc.api import loads
 from stlc.mission import Mission, Requirement
 from stlc.passes import PIPELINE
 from stlc.passes.base import Program
 from stlc.verify.robustness import robustness
-from tests.oracle.formulas import make_trace
 
 HEAD = "horizon 4\nsignal a [m]\nsignal b [m]\nparam p = 1.5 m\nlet c = p + 0.5 m\n"
 A, B, P, C = 5.0, 3.0, 1.5, 2.0

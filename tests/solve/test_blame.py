@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from support.worlds import agent, mission
 
 from stlc.api import loads
 from stlc.errors import InfeasibleError
@@ -12,7 +13,6 @@ from stlc.ir.requirement import Requirement
 from stlc.mission import Mission
 from stlc.solve.blame import Blamed, compile_or_blame
 from stlc.source import Source
-from tests.milp.worlds import agent, mission
 
 TEXT = Source("m.stl", "eventually[0,3] far")
 FAR = Linear(((Signal("a", Role.STATE, 0), 1.0),), -6.0, span=TEXT.span(16, 19))

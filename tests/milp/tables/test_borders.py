@@ -2,12 +2,10 @@
 
 import numpy as np
 import pytest
+from support.links import World, optimum, square, touching, tree
 
 from stlc.milp.tables import ENCODINGS, add_link_cost, link_literal, link_value
 from stlc.radio.partition import Partition
-
-from .test_one_optimum import tree
-from .world import World, optimum, square, touching
 
 STARTS = {"a": (1.5, 1.5), "b": (0.5, 1.5), "c": (2.5, 1.5)}
 POINTS = {"a": (1.0, 2.0), "b": (1.0, 0.5), "c": (2.2, 2.0)}  # a corner, a border, a border

@@ -9,6 +9,7 @@ has release, which is written as its dual for mstlo.
 import numpy as np
 import pytest
 from hypothesis import given
+from support.formulas import LENGTH, formulas, horizon, make_trace, traces
 
 from stlc.ir.nodes import (
     Always,
@@ -24,8 +25,6 @@ from stlc.ir.nodes import (
     Until,
 )
 from stlc.verify.robustness import robustness
-
-from .formulas import LENGTH, formulas, horizon, make_trace, traces
 
 
 def _atom(node: Linear) -> str:

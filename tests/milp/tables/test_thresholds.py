@@ -5,14 +5,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from support.links import World, optimum, square, touching, tree
 
 from stlc.milp.context import Context
 from stlc.milp.tables import add_link_cost, link_literal
 from stlc.milp.tables.cover import cover
 from stlc.radio.partition import Partition, grid
-
-from .test_one_optimum import tree
-from .world import World, optimum, square, touching
 
 TWO = {"a": (0.5, 0.5), "b": (2.5, 0.5)}
 

@@ -17,7 +17,7 @@ from stlc.milp.context import Context
 from stlc.milp.dynamics import add_agents
 from stlc.milp.model import Model
 from stlc.mission import Agent, Channel, Dynamics, Mission, Station
-from stlc.radio.partition import Partition, uniform_grid
+from stlc.radio.partition import Partition, quadtree, uniform_grid
 from stlc.source import Source
 
 SINGLE = Dynamics(
@@ -166,3 +166,14 @@ def enumerated(world: World, table: np.ndarray) -> float:
 def all_pairs(names: Sequence[str]) -> list[tuple[str, str]]:
     """Unordered pairs."""
     return [(a, b) for a, b in product(names, names) if a < b]
+
+
+def tree() -> Partition:
+    """Seven cells: the lower right quarter of the square split once more."""
+    start = uniform_grid((0, 3), (0, 3), 2, 2)
+
+    def score(p: Partition) -> np.ndarray:
+        corner = (p.boxes[:, 0] >= 1.5) & (p.boxes[:, 3] <= 1.5)
+        return (corner & (len(p) == 4)).astype(float)
+
+    return quadtree(start, score, 0.5, 7)

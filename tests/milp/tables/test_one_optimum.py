@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
+from support.links import DOUBLE, World, all_pairs, enumerated, optimum, square, tree
 
 from stlc.milp.tables import ENCODINGS, add_link_cost, link_value
-from stlc.radio.partition import Partition, grid, quadtree, uniform_grid
-
-from .world import DOUBLE, World, all_pairs, enumerated, optimum, square
+from stlc.radio.partition import grid
 
 NAMES = list(ENCODINGS)
 TWO = {"a": (0.5, 0.5), "b": (2.5, 0.5)}
@@ -66,17 +65,6 @@ def test_uneven_grids_and_quadtrees_match_enumeration() -> None:
     for partition in (grid([0, 0.7, 3], [0, 1.1, 1.6, 3]), tree()):
         world = World(TWO, partition, steps=2)
         assert_all_match(world, names, world.table(5))
-
-
-def tree() -> Partition:
-    """Seven cells: the lower right quarter of the square split once more."""
-    start = uniform_grid((0, 3), (0, 3), 2, 2)
-
-    def score(p: Partition) -> np.ndarray:
-        corner = (p.boxes[:, 0] >= 1.5) & (p.boxes[:, 3] <= 1.5)
-        return (corner & (len(p) == 4)).astype(float)
-
-    return quadtree(start, score, 0.5, 7)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -4,6 +4,7 @@ from importlib.metadata import EntryPoint
 
 import numpy as np
 import pytest
+from support.links import World, optimum, square, touching, tree
 
 from stlc.errors import UsageError
 from stlc.milp.builder import ModelBuilder
@@ -23,9 +24,6 @@ from stlc.milp.tables.link import ends_of
 from stlc.milp.tables.simplex import ordered
 from stlc.milp.tables.spans import spans_of
 from stlc.radio.partition import Partition, grid, uniform_grid
-
-from .test_one_optimum import tree
-from .world import World, optimum, square, touching
 
 TWO = {"a": (0.5, 0.5), "b": (4.5, 2.0)}
 WORLD = World(TWO, uniform_grid((0, 5), (0, 5), 5, 5), steps=3, side=5.0)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support.worlds import value
 
 from stlc.api import loads
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.solve.heuristics.dive import find_start
 from stlc.solve.heuristics.lattice_runs import guides
-from tests.milp.worlds import value
 
 HEAD = """step 1 s
 horizon {steps}

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import given
+from support.formulas import Naive, at_least, at_most, formulas, make_trace, signal, traces
 
 from stlc.ir.nodes import (
     Always,
@@ -21,8 +22,6 @@ from stlc.ir.nodes import (
     Until,
 )
 from stlc.verify.robustness import Evaluator, Trace, robustness, satisfaction, until, window_min
-
-from .formulas import Naive, at_least, at_most, formulas, make_trace, signal, traces
 
 
 @given(formulas(until=True, unbounded=True, timed=True), traces)

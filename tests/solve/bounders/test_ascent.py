@@ -23,7 +23,7 @@ from stlc.solve.restricted.frame import Frame
 from stlc.solve.restricted.session import Session
 from stlc.solve.strategy import Work
 
-MISSION = Path(__file__).parents[2] / "benchmarks" / "missions" / "two_agents_t4.stl"
+MISSION = Path(__file__).parents[3] / "benchmarks" / "missions" / "two_agents_t4.stl"
 
 
 def _searched() -> tuple[Search, Node]:
