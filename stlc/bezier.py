@@ -19,6 +19,7 @@ from math import ceil, comb, factorial
 import numpy as np
 
 from stlc.arrays import Floats
+from stlc.matrices import exponential
 from stlc.mission import Dynamics, Flow
 
 MOST_PARTS = 16
@@ -54,7 +55,7 @@ class Curve:
         h, n = self.step / self.parts, self.starts.shape[1]
         power = np.linalg.matrix_power(self.matrix, degree + 1)[:n]
         factor = (h / 2) ** (degree + 1) * 2.0 ** (1 - degree) / factorial(degree + 1)
-        grown = _exp(np.abs(self.matrix) * h)
+        grown = exponential(np.abs(self.matrix) * h)
         error = factor * np.max([np.abs(power @ _square(s)) @ grown for s in self.starts[:-1]], 0)
         change = np.max(np.abs(self.starts[1:] - self.starts[:-1]), axis=0)
         allowed = np.maximum(_ERROR * change, 1e-15 * np.abs(self.starts).max())
@@ -75,7 +76,7 @@ class Curve:
             middle = first + h / 2.0 * (self.matrix[: len(first)] @ _square(first))
             return np.stack([first, middle, last])
         share = (1.0 - np.cos(np.pi * np.arange(degree + 1) / degree)) / 2.0
-        values = [first @ _exp(self.matrix * h * s) for s in share[1:-1]]
+        values = [first @ exponential(self.matrix * h * s) for s in share[1:-1]]
         basis = np.array([[comb(degree, j) * s**j * (1 - s) ** (degree - j)
                            for j in range(degree + 1)] for s in share])  # fmt: skip
         stacked = np.stack([first, *values, last])
@@ -102,7 +103,7 @@ def curve(dynamics: Dynamics, step: float, parts: int | None = None) -> Curve | 
         return Curve(np.stack([(1 - s) * here + s * there for s in shares]), None, step)
     matrix = augmented(dynamics.flow)
     count = parts or least_parts(matrix, step)
-    one, starts = _exp(matrix * step / count), [here]
+    one, starts = exponential(matrix * step / count), [here]
     for _ in range(count - 1):
         starts.append(starts[-1] @ one)
     return Curve(np.stack([*starts, there]), matrix, step)
@@ -126,9 +127,3 @@ def _square(rows: Floats) -> Floats:
     """(x, u, 1) at some time, from that at the step's start."""
     n, size = rows.shape
     return np.vstack([rows, np.eye(size)[n:]])
-
-
-def _exp(matrix: Floats) -> Floats:
-    from scipy.linalg import expm
-
-    return np.asarray(expm(matrix), dtype=np.float64)

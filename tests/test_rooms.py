@@ -21,6 +21,7 @@ LEAVES = {
     "inputs",
     "loader",
     "sense",
+    "matrices",
 }
 """Rooms that everything may use; they use one another only."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stlc.arrays import Floats
+from stlc.matrices import exponential
 from stlc.sema.number_errors import NotFinite
 from stlc.sema.report import Mistake
 from stlc.source import Span
@@ -26,11 +27,9 @@ def zero_order_hold(a: Floats, b: Floats, drift: Floats, dt: float) -> Matrices:
 
     Not finite where that overflows.
     """
-    from scipy.linalg import expm
-
     n, m = b.shape
     augmented = np.zeros((n + m + 1, n + m + 1))
     augmented[:n] = np.column_stack([a, b, drift])
     with np.errstate(over="ignore", invalid="ignore"):
-        discrete = np.asarray(expm(augmented * dt), dtype=np.float64)
+        discrete = exponential(augmented * dt)
     return discrete[:n, :n], discrete[:n, n : n + m], discrete[:n, n + m]

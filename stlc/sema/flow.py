@@ -6,7 +6,7 @@ import warnings
 
 import numpy as np
 
-from stlc.arrays import Floats
+from stlc.matrices import exponential, logarithm
 from stlc.mission import Flow
 
 _EDGE = 1e-9  # relative: an eigenvalue this near to the negative axis has no real logarithm
@@ -19,8 +19,6 @@ def held_flow(given: Flow, dt: float) -> Flow | None:
     The principal logarithm: of all flows through the samples the one that turns by less than half
     a circle in a step. None where A is singular or has a negative eigenvalue.
     """
-    from scipy.linalg import expm, logm
-
     n, m = given.B.shape
     if not all(np.isfinite(matrix).all() for matrix in (given.A, given.B, given.drift)):
         return None
@@ -33,12 +31,12 @@ def held_flow(given: Flow, dt: float) -> Flow | None:
     try:
         with np.errstate(all="ignore"), warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)  # its accuracy is judged below
-            found = logm(discrete)
-            again = expm(found.real)
+            found = logarithm(discrete)
+            again = None if found is None else exponential(found)
     except ValueError:  # scipy's word for entries that overflow on the way
         return None
-    if not (np.abs(found.imag).max() <= _EDGE and np.allclose(again, discrete, 1e-9, 1e-12)):
+    if found is None or again is None or not np.allclose(again, discrete, 1e-9, 1e-12):
         return None
-    rates: Floats = np.asarray(found.real[:n] / dt, dtype=np.float64)
+    rates = found[:n] / dt
     rates[np.abs(rates) <= _DUST * np.abs(rates).max()] = 0.0
     return Flow(rates[:, :n], rates[:, n : n + m], rates[:, n + m])

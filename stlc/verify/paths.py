@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stlc.matrices import exponential
 from stlc.mission import Agent, Dynamics, Flow, Mission
 from stlc.plan import Run
 
@@ -156,10 +157,8 @@ def _augmented(flow: Flow) -> Array:
 
 def _samples(flow: Flow, run: Run, step: float, count: int) -> Array:
     """States (T, count + 1, n) at equal times of each step, from its start and input alone."""
-    from scipy.linalg import expm
-
     n = run.states.shape[1]
-    matrix = np.asarray(expm(_augmented(flow) * (step / count)), dtype=np.float64)
+    matrix = exponential(_augmented(flow) * (step / count))
     z = np.column_stack([run.states[:-1], run.inputs, np.ones(len(run.inputs))])
     out = np.empty((len(z), count + 1, n))
     for k in range(count + 1):
@@ -170,14 +169,12 @@ def _samples(flow: Flow, run: Run, step: float, count: int) -> Array:
 
 def _errors(flow: Flow, run: Run, step: float, pieces: int) -> Array:
     """Bound (T, pieces, n) on how far each piece's parabola is from the motion."""
-    from scipy.linalg import expm
-
     n, h = run.states.shape[1], step / pieces
     matrix = _augmented(flow)
     third = np.linalg.matrix_power(matrix, 3)[:n]
     if not third.any():
         return np.zeros((len(run.inputs), pieces, n))
-    grown = np.abs(third) @ (expm(np.abs(matrix) * h) - np.eye(len(matrix)))
+    grown = np.abs(third) @ (exponential(np.abs(matrix) * h) - np.eye(len(matrix)))
     starts = _samples(flow, run, step, pieces)[:, :-1]
     fixed = np.column_stack([run.inputs, np.ones(len(run.inputs))])
     z = np.concatenate([starts, np.repeat(fixed[:, None], pieces, axis=1)], axis=2)
