@@ -17,12 +17,31 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from stlc.backends.base import Backend, Capability, Progress, Solution, SolveOptions, Status
-from stlc.milp.builder import ModelBuilder
+from stlc.backends.conformance_models import (
+    best_knapsack,
+    big_m,
+    duplicates,
+    empty,
+    equalities,
+    fixed_columns,
+    free_columns,
+    general_integers,
+    hard,
+    infeasible_lp,
+    infeasible_mip,
+    knapsack,
+    negative_integers,
+    offset,
+    production,
+    ranges,
+    rowless,
+    unbounded,
+    unused,
+)
 from stlc.milp.model import Model
 from stlc.milp.violations import exact_objective, violations
 
 _TOLERANCE = 1e-5  # of rows, bounds and integers: the loosest default among solvers
-INF = float("inf")
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,162 +96,6 @@ def _checked(model: Model, solution: Solution) -> float:
     assert solution.objective is not None
     assert abs(value - solution.objective) <= _TOLERANCE * (1 + abs(value))
     return value
-
-
-def _production() -> Model:
-    """max 3x + 5y, x <= 4, 2y <= 12, 3x + 2y <= 18 (Hillier and Lieberman): 36 at (2, 6)."""
-    b = ModelBuilder("production")
-    x = b.add_columns("x", (2,), cost=[-3, -5])
-    b.add_dense_rows("plant", x[None, [0, 0, 1]][:, :1], 1, -INF, 4)
-    b.add_dense_rows("hall", x[None, 1:], 2, -INF, 12)
-    b.add_dense_rows("line", x[None, :], [3, 2], -INF, 18)
-    return b.build()
-
-
-def knapsack(items: int = 12, rows: int = 3, seed: int = 1) -> Model:
-    """A multi-dimensional knapsack; larger ones are hard enough for time limits."""
-    rng = np.random.default_rng(seed)
-    b = ModelBuilder("knapsack")
-    take = b.binary("take", (items,), cost=-rng.integers(10, 99, items))
-    weight = rng.integers(5, 60, (rows, items))
-    cols = np.broadcast_to(take, weight.shape)
-    b.add_dense_rows("capacity", cols, weight, -INF, weight.sum(axis=1) // 3)
-    return b.build()
-
-
-def _best_knapsack() -> float:
-    """By enumeration."""
-    model = knapsack()
-    points = (np.arange(1 << model.columns)[:, None] >> np.arange(model.columns)) & 1
-    weights = model.A @ points.T
-    fits = (weights <= model.row_upper[:, None]).all(axis=0)
-    return float((points[fits] @ model.c).min())
-
-
-def _general_integers() -> Model:
-    """min x + y, 3x + 5y >= 31, integers in [-3, 9]: 5 at (-3, 8)."""
-    b = ModelBuilder("general")
-    x = b.add_columns("x", (2,), -3, 9, integer=True, cost=1)
-    b.add_dense_rows("cover", x[None, :], [3, 5], 31, INF)
-    return b.build()
-
-
-def _negative_integers() -> Model:
-    """min x, 2x >= -7, x an integer without bounds: -3."""
-    b = ModelBuilder("negative")
-    x = b.add_columns("x", (1,), -INF, INF, integer=True, cost=1)
-    b.add_dense_rows("floor", x[None, :], 2, -7, INF)
-    return b.build()
-
-
-def _free_columns() -> Model:
-    """min |z - 4| + |w + 3| by free z = -1, w: 5 + 0."""
-    b = ModelBuilder("free")
-    z = b.add_columns("z", (2,), -INF, INF)
-    t = b.add_columns("t", (2,), cost=1)
-    target = np.array([4.0, -3.0])
-    pair = np.stack([t, z], -1)
-    b.add_dense_rows("above", pair, [1, -1], -target, INF)
-    b.add_dense_rows("below", pair, [1, 1], target, INF)
-    b.add_dense_rows("pin", z[None, :1], 1, -1, -1)
-    return b.build()
-
-
-def _fixed_columns() -> Model:
-    """Columns fixed by their bounds, integer and continuous: 2.5 + 3 + 1."""
-    b = ModelBuilder("fixed")
-    x = b.add_columns("x", (1,), 2.5, 2.5, cost=1)
-    n = b.add_columns("n", (1,), 3, 3, integer=True, cost=1)
-    y = b.add_columns("y", (1,), 0, 9, cost=1)
-    b.add_dense_rows("row", np.concatenate([x, n, y])[None, :], [1, 1, 1], 6.5, INF)
-    return b.build()
-
-
-def _equalities() -> Model:
-    """x + y = 10, x - y = 3, integer slack: x = 6.5."""
-    b = ModelBuilder("equalities")
-    x = b.add_columns("x", (2,), cost=[1, 0])
-    b.add_dense_rows("row", np.broadcast_to(x, (2, 2)), [[1, 1], [1, -1]], [10, 3], [10, 3])
-    return b.build()
-
-
-def _ranges() -> Model:
-    """-2 <= x - y <= 5 and 1 <= x + 2y <= 8: max x + y is 7 (x = 6, y = 1)."""
-    b = ModelBuilder("ranges")
-    x = b.add_columns("x", (2,), 0, 10, cost=-1)
-    b.add_dense_rows("row", np.broadcast_to(x, (2, 2)), [[1, -1], [1, 2]], [-2, 1], [5, 8])
-    return b.build()
-
-
-def _offset() -> Model:
-    """The constant 100.25 belongs to objective and bound."""
-    b = ModelBuilder("offset", offset=100.25)
-    x = b.add_columns("x", (2,), 0, 5, integer=True, cost=[1, 2])
-    b.add_dense_rows("row", x[None, :], [1, 1], 3, INF)
-    return b.build()
-
-
-def _big_m() -> Model:
-    """Outside a box: x <= 2 or x >= 7 by a binary and M = 20; nearest to 5 is 7 at cost 2."""
-    b = ModelBuilder("disjunction")
-    x = b.add_columns("x", (1,), -10, 10)
-    side = b.binary("side", (1,))
-    t = b.add_columns("t", (1,), cost=1)
-    pair = np.concatenate([x, side])[None, :]
-    b.add_dense_rows("left", pair, [1, -20], -INF, 2)
-    b.add_dense_rows("right", pair, [1, -20], -13, INF)
-    b.add_dense_rows("over", np.concatenate([t, x])[None, :], [1, -1], -5, INF)
-    b.add_dense_rows("under", np.concatenate([t, x])[None, :], [1, 1], 5, INF)
-    return b.build()
-
-
-def _duplicates() -> Model:
-    """Entries given twice add up: 2x <= 8 by x + x."""
-    b = ModelBuilder("duplicates")
-    x = b.add_columns("x", (1,), cost=-1)
-    b.add_rows("row", [0, 0], [x[0], x[0]], [1.0, 1.0], -INF, 8)
-    return b.build()
-
-
-def _infeasible_lp() -> Model:
-    b = ModelBuilder("infeasible")
-    x = b.add_columns("x", (2,), 0, 1, cost=1)
-    b.add_dense_rows("row", x[None, :], [1, 1], 3, INF)
-    return b.build()
-
-
-def _infeasible_mip() -> Model:
-    """2x + 4y = 1 has rational points but no integer one."""
-    b = ModelBuilder("parity")
-    x = b.add_columns("x", (2,), -9, 9, integer=True, cost=1)
-    b.add_dense_rows("row", x[None, :], [2, 4], 1, 1)
-    return b.build()
-
-
-def _unbounded() -> Model:
-    b = ModelBuilder("unbounded")
-    x = b.add_columns("x", (2,), cost=[-1, 0.5])
-    b.add_dense_rows("row", x[None, :], [1, -1], -INF, 5)
-    return b.build()
-
-
-def _empty() -> Model:
-    return ModelBuilder("empty", offset=2.0).build()
-
-
-def _rowless() -> Model:
-    b = ModelBuilder("rowless", offset=1.0)
-    b.add_columns("x", (3,), -2.5, 4, cost=[1, -1, 0])
-    b.add_columns("n", (1,), -2.5, 4, integer=True, cost=1)
-    return b.build()
-
-
-def _unused() -> Model:
-    """Columns in no row, an empty row, a free row."""
-    b = ModelBuilder("unused")
-    x = b.add_columns("x", (3,), 1, 4, cost=[1, -1, 0])
-    b.add_rows("row", [0, 2], [x[0], x[0]], [1.0, 1.0], [2, -1, -INF], INF, count=3)
-    return b.build()
 
 
 def _limit(backend: Backend, model: Model) -> None:
@@ -302,31 +165,27 @@ def _cancel(backend: Backend, model: Model) -> None:
     assert solution.seconds < 15
 
 
-def _hard() -> Model:
-    return knapsack(200, 30)
-
-
 CASES = (
-    Case("feasible LP", _production, Status.OPTIMAL, -36.0),
-    Case("feasible MILP", knapsack, Status.OPTIMAL, _best_knapsack()),
-    Case("general integers", _general_integers, Status.OPTIMAL, 5.0),
-    Case("negative integers", _negative_integers, Status.OPTIMAL, -3.0),
-    Case("free columns", _free_columns, Status.OPTIMAL, 5.0),
-    Case("fixed columns", _fixed_columns, Status.OPTIMAL, 6.5),
-    Case("equality rows", _equalities, Status.OPTIMAL, 6.5),
-    Case("two-sided rows", _ranges, Status.OPTIMAL, -7.0),
-    Case("offset", _offset, Status.OPTIMAL, 103.25),
-    Case("big-M disjunction", _big_m, Status.OPTIMAL, 2.0),
-    Case("duplicates add up", _duplicates, Status.OPTIMAL, -4.0),
-    Case("infeasible LP", _infeasible_lp, Status.INFEASIBLE),
-    Case("infeasible MILP", _infeasible_mip, Status.INFEASIBLE),
-    Case("unbounded", _unbounded, Status.UNBOUNDED),
-    Case("empty model", _empty, Status.OPTIMAL, 2.0),
-    Case("no rows", _rowless, Status.OPTIMAL, -7.5),
-    Case("unused columns, empty rows", _unused, Status.OPTIMAL, -2.0),
-    Case("time limit", _hard, Status.FEASIBLE, extra=_limit, needs=Capability.TIME_LIMIT),
+    Case("feasible LP", production, Status.OPTIMAL, -36.0),
+    Case("feasible MILP", knapsack, Status.OPTIMAL, best_knapsack()),
+    Case("general integers", general_integers, Status.OPTIMAL, 5.0),
+    Case("negative integers", negative_integers, Status.OPTIMAL, -3.0),
+    Case("free columns", free_columns, Status.OPTIMAL, 5.0),
+    Case("fixed columns", fixed_columns, Status.OPTIMAL, 6.5),
+    Case("equality rows", equalities, Status.OPTIMAL, 6.5),
+    Case("two-sided rows", ranges, Status.OPTIMAL, -7.0),
+    Case("offset", offset, Status.OPTIMAL, 103.25),
+    Case("big-M disjunction", big_m, Status.OPTIMAL, 2.0),
+    Case("duplicates add up", duplicates, Status.OPTIMAL, -4.0),
+    Case("infeasible LP", infeasible_lp, Status.INFEASIBLE),
+    Case("infeasible MILP", infeasible_mip, Status.INFEASIBLE),
+    Case("unbounded", unbounded, Status.UNBOUNDED),
+    Case("empty model", empty, Status.OPTIMAL, 2.0),
+    Case("no rows", rowless, Status.OPTIMAL, -7.5),
+    Case("unused columns, empty rows", unused, Status.OPTIMAL, -2.0),
+    Case("time limit", hard, Status.FEASIBLE, extra=_limit, needs=Capability.TIME_LIMIT),
     Case("start", knapsack, Status.OPTIMAL, extra=_start),
     Case("options honoured or reported", knapsack, Status.OPTIMAL, extra=_options),
     Case("incumbents", knapsack, Status.OPTIMAL, extra=_incumbents, needs=Capability.INCUMBENTS),
-    Case("cancel", _hard, Status.FEASIBLE, extra=_cancel, needs=Capability.CANCEL),
+    Case("cancel", hard, Status.FEASIBLE, extra=_cancel, needs=Capability.CANCEL),
 )

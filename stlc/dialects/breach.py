@@ -16,7 +16,8 @@ from __future__ import annotations
 from typing import ClassVar
 
 from stlc.dialects.errors import DialectUnsupported, ImportFailure
-from stlc.dialects.pratt import ARITHMETIC, SIGNS, Infix, Language, Parser, Prefix, compared
+from stlc.dialects.language import ARITHMETIC, SIGNS, Infix, Language, Prefix, compared
+from stlc.dialects.pratt import Parser
 from stlc.dialects.tokens import pattern
 from stlc.dialects.tree import (
     Binary,

@@ -13,7 +13,8 @@ from __future__ import annotations
 from typing import ClassVar
 
 from stlc.dialects.errors import OddGrouping
-from stlc.dialects.pratt import ARITHMETIC, SIGNS, Infix, Language, Parser, Prefix, compared
+from stlc.dialects.language import ARITHMETIC, SIGNS, Infix, Language, Prefix, compared
+from stlc.dialects.pratt import Parser
 from stlc.dialects.tokens import pattern
 from stlc.dialects.tree import Definition, Expr, Item, Sample
 from stlc.source import Span

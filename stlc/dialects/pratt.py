@@ -6,13 +6,11 @@ reads what binds at least as tight as asked (V. R. Pratt, Top down operator prec
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 from typing import ClassVar, Literal, NoReturn
 
 from stlc.diagnostics import Diagnostic
 from stlc.dialects.errors import DialectPast, DialectSyntax, ImportFailure
+from stlc.dialects.language import ARITHMETIC_POWER, Infix, Language, Prefix
 from stlc.dialects.tokens import Token, tokenize
 from stlc.dialects.tree import (
     Binary,
@@ -26,7 +24,6 @@ from stlc.dialects.tree import (
     Name,
     Not,
     Num,
-    Operator,
     Pair,
     Temporal,
 )
@@ -41,42 +38,6 @@ PAST_ADVICE = {
     "rise": "say it forward: `not p and next p`, judged one step earlier",
     "fall": "say it forward: `p and next (not p)`, judged one step earlier",
 }
-
-
-@dataclass(frozen=True, slots=True)
-class Prefix:
-    """A prefix operator; its operand binds at least as tight as `operand`.
-
-    `timed` is the power of the operand after an interval, if that differs.
-    """
-
-    operator: Literal["not", "-", "+", "always", "eventually", "next"]
-    operand: int
-    timed: int | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Infix:
-    """A binary operator; `timed` is its power with an interval, if that differs."""
-
-    operator: Operator | Literal["until", "release", "unless"]
-    power: int
-    right: bool = False  # groups from the right
-    timed: int | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Language:
-    """What the parser needs to know of a language."""
-
-    scanner: re.Pattern[str]
-    prefix: Mapping[str, Prefix]
-    infix: Mapping[str, Infix]
-    past: Mapping[str, str]  # spelling -> key of PAST_ADVICE
-    functions: frozenset[str]
-    separators: tuple[str, ...] = (",",)
-    units: frozenset[str] = frozenset()
-    constants: Mapping[str, bool] = field(default_factory=dict)
 
 
 class Parser:
@@ -292,24 +253,6 @@ class Parser:
         if unit:
             self.take()
         return Bound(expr, unit)
-
-
-ARITHMETIC_POWER = 40
-"""Languages give arithmetic operators this power or more, and all others less."""
-
-SIGNS: Mapping[str, Prefix] = {"-": Prefix("-", 44), "+": Prefix("+", 44)}
-ARITHMETIC: Mapping[str, Infix] = {
-    "+": Infix("+", 41),
-    "-": Infix("-", 41),
-    "*": Infix("*", 42),
-    "/": Infix("/", 42),
-    "^": Infix("^", 46),
-}
-
-
-def compared(power: int, spellings: Mapping[str, Operator]) -> dict[str, Infix]:
-    """Comparison operators, all of one power."""
-    return {text: Infix(operator, power) for text, operator in spellings.items()}
 
 
 def _negative(arg: Expr, start: Span) -> Expr:

@@ -17,7 +17,8 @@ from __future__ import annotations
 from typing import ClassVar
 
 from stlc.dialects.errors import OddGrouping
-from stlc.dialects.pratt import Infix, Language, Parser, Prefix, compared
+from stlc.dialects.language import Infix, Language, Prefix, compared
+from stlc.dialects.pratt import Parser
 from stlc.dialects.tokens import pattern
 from stlc.dialects.tree import Binary, Definition, Item, Operator, Param, Signals
 

@@ -8,7 +8,7 @@ from typing import Final
 
 from stlc.source import Source
 from stlc.syntax import ast
-from stlc.syntax.print_expr import show_property
+from stlc.syntax.print_property import show_property
 
 INDENT: Final = "  "
 _WIDTH: Final = 100

@@ -6,7 +6,8 @@ from functools import cache
 from typing import Any, Final
 
 from stlc.grammar import tables
-from stlc.grammar.messages import MESSAGES, Message
+from stlc.grammar.message import Message
+from stlc.grammar.messages import MESSAGES
 from stlc.source import Source
 from stlc.syntax.context import classify
 from stlc.syntax.lalr import Stuck, run

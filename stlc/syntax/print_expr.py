@@ -6,10 +6,8 @@ differently (the places that W0101 warns about), so that printing never hides a 
 
 from __future__ import annotations
 
-import re
 from typing import Final
 
-from stlc.grammar.units import UNITS
 from stlc.syntax import ast
 from stlc.syntax.mixes import unclear
 from stlc.syntax.neighbours import word_terminals
@@ -53,17 +51,17 @@ def show(node: ast.Expr) -> str:
         case ast.Bool():
             return "true" if node.value else "false"
         case ast.Name():
-            return _name(node.text)
+            return show_name(node.text)
         case ast.Attribute():
             return f"{_attribute_base(node.base)}.{node.attr.text}"
         case ast.Index():
-            return f"{_base(node.base)}[{_list(node.indices)}]"
+            return f"{_base(node.base)}[{show_list(node.indices)}]"
         case ast.Call():
-            return f"{node.function.text}({_list(node.args)})"
+            return f"{node.function.text}({show_list(node.args)})"
         case ast.Tuple():
-            return f"({_list(node.items)})"
+            return f"({show_list(node.items)})"
         case ast.List():
-            return f"[{_list(node.items)}]"
+            return f"[{show_list(node.items)}]"
         case ast.Absolute():
             return f"|{show(node.arg)}|"
         case ast.Range():
@@ -107,12 +105,12 @@ def quoted(node: ast.String) -> str:
     return f'"{inner}"'
 
 
-def _name(text: str) -> str:
+def show_name(text: str) -> str:
     """A name; one that is also an operator's word is kept apart by parentheses."""
     return f"({text})" if len(text) > 1 and text in word_terminals() else text
 
 
-def _list(items: tuple[ast.Expr, ...]) -> str:
+def show_list(items: tuple[ast.Expr, ...]) -> str:
     return ", ".join(map(show, items))
 
 
@@ -154,6 +152,11 @@ def _chain(links: list[ast.Arithmetic]) -> str:
         parts.append(f" {link.operator} {_at(link.right, level(link) + 1)}")
         inner = link
     return "(" * opened + "".join(parts)
+
+
+def compared(node: ast.Expr) -> str:
+    """The expression as text, in parentheses if it binds less tightly than a comparison."""
+    return _at(node, _COMPARE)
 
 
 def _comparison(node: ast.Comparison) -> str:
@@ -225,90 +228,3 @@ def _quantifier(node: ast.Quantifier) -> str:
     if node.kind == "sum" and level(node.body) < _SUM:
         body = f"({body})"
     return f"{node.kind} {variables} in {domain}: {body}"
-
-
-# --- properties ------------------------------------------------------------------------------
-
-_ENDS_IN_NUMBER: Final = re.compile(r"(?:^|[^\w.])(?:\d[\d.]*|\.\d+)(?:[eE][+-]?\d+)?$")
-
-
-_FIRST_WORD: Final = re.compile(r"^[^\W\d]\w*")
-_LAST_WORD: Final = re.compile(r"[^\W\d]\w*$")
-
-
-def show_property(item: ast.Property) -> str:
-    """One property of a block."""
-    key = item.key.text
-    if not item.args:
-        return key
-    if item.assigned:
-        return f"{key} = {show(item.args[0])}"
-    first, *rest = item.args
-    if _starts_with(first, key):
-        text = key + show(first).removeprefix(_name(key))
-    else:
-        text = f"{key} {_word(first)}"
-    before = first
-    for arg in rest:
-        text = _append(text, before, arg)
-        before = arg
-    return text
-
-
-def _starts_with(first: ast.Expr, key: str) -> bool:
-    """`speed <= 2`: the comparison begins with the key itself."""
-    match first:
-        case ast.Comparison(operands=(ast.Name(text=text), *_)):
-            return text == key
-        case ast.Membership(subject=ast.Name(text=text), relation="in", swept=False):
-            return text == key
-        case _:
-            return False
-
-
-def _word(arg: ast.Expr) -> str:
-    """A value among the words of a property, apart if it begins or ends like an operator."""
-    text = _at(arg, _COMPARE)
-    edges = {*_FIRST_WORD.findall(text), *_LAST_WORD.findall(text)} - {"true", "false"}
-    return f"({text})" if text == "x" or edges & word_terminals().keys() else text
-
-
-def _append(text: str, before: ast.Expr, arg: ast.Expr) -> str:
-    word = _word(arg)
-    sizes = (ast.Number, ast.List)
-    if isinstance(before, sizes) and type(before) is type(arg):
-        return f"{text} x {word}"
-    unit = isinstance(arg, ast.Name) and arg.text in UNITS and _ENDS_IN_NUMBER.search(text)
-    if unit or word.startswith("-"):
-        word = f"({word})"
-    return f"{text} {word}"
-
-
-# --- shapes ----------------------------------------------------------------------------------
-
-
-def show_shape(shape: ast.Shape) -> str:
-    """The shape as text."""
-    match shape:
-        case ast.Box():
-            return f"box [{_list(shape.x)}] x [{_list(shape.y)}]"
-        case ast.PolygonShape():
-            rings = [shape.ring, *shape.holes]
-            return "polygon " + " hole ".join(" ".join(map(show, ring)) for ring in rings)
-        case ast.GeoJson():
-            feature = f" feature {quoted(shape.feature)}" if shape.feature else ""
-            return f"geojson {quoted(shape.path)}{feature}"
-        case ast.NamedShape():
-            return shape.name.text
-        case ast.Moving():
-            frames = (f"{show(when)}: {show_shape(where)}" for when, where in shape.frames)
-            end = " linear" if shape.linear else ""
-            return f"moving {{ {'; '.join(frames)} }}{end}"
-        case ast.Union():
-            return " + ".join(_part(part) for part in shape.parts)
-        case _:
-            raise AssertionError(shape)
-
-
-def _part(shape: ast.Shape) -> str:
-    return f"({show_shape(shape)})" if isinstance(shape, ast.Union) else show_shape(shape)

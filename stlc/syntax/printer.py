@@ -13,7 +13,8 @@ from typing import Final
 from stlc.source import Source
 from stlc.syntax import ast
 from stlc.syntax.blocks import INDENT, comment_text, show_block
-from stlc.syntax.print_expr import logical_parts, quoted, show, show_shape
+from stlc.syntax.print_expr import logical_parts, quoted, show
+from stlc.syntax.print_shape import show_shape
 
 WIDTH: Final = 100
 

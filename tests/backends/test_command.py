@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from stlc.backends.base import SolveOptions, Status
-from stlc.backends.conformance import knapsack
+from stlc.backends.conformance_models import knapsack
 from stlc.backends.external import external
 from stlc.errors import SolverError
 

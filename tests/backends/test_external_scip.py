@@ -8,7 +8,7 @@ import pyscipopt
 import pytest
 
 from stlc.backends.base import SolveOptions, Status
-from stlc.backends.conformance import knapsack
+from stlc.backends.conformance_models import knapsack
 from stlc.backends.external import external
 
 # Leaves its arguments and the settings among them behind, then claims that there is no point.

@@ -10,7 +10,7 @@ from support.outside import bundled_cbc, cbc_devel
 from stlc.backends import get
 from stlc.backends.base import SolveOptions
 from stlc.backends.command import run
-from stlc.backends.conformance import knapsack
+from stlc.backends.conformance_models import knapsack
 from stlc.backends.external import _write, external
 from stlc.backends.templates import TEMPLATES, Files
 from stlc.solve.certify import certify

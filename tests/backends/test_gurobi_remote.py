@@ -9,7 +9,7 @@ import pytest
 
 from stlc.backends import get
 from stlc.backends.base import SolveOptions
-from stlc.backends.conformance import knapsack
+from stlc.backends.conformance_models import knapsack
 from stlc.errors import SolverError
 
 

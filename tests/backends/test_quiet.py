@@ -12,7 +12,7 @@ import pytest
 
 from stlc.backends import get
 from stlc.backends.base import SolveOptions
-from stlc.backends.conformance import knapsack
+from stlc.backends.conformance_models import knapsack
 from stlc.backends.quiet import aloud, silence
 
 SOLVERS = ("highs", "mip", "pulp", "cvxpy", "scipy", "scip", "gurobi")
@@ -65,7 +65,7 @@ def test_solvers_print_nothing(name: str) -> None:
     code = (
         "import sys; from stlc.backends import get\n"
         "from stlc.backends.base import SolveOptions\n"
-        "from stlc.backends.conformance import knapsack\n"
+        "from stlc.backends.conformance_models import knapsack\n"
         f"b = get({name!r}); b.version(); print(b.solve(knapsack(), SolveOptions()).status.name)\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from stlc.backends.base import Progress, SolveOptions
-from stlc.backends.conformance import knapsack
+from stlc.backends.conformance_models import knapsack
 from stlc.errors import SolverError, UsageError
 from stlc.milp.builder import ModelBuilder
 from stlc.solve.racing.race import Finish, Racer, race

@@ -11,7 +11,7 @@ from support.command import inside as stlc
 
 from stlc import backends
 from stlc.backends.base import Backend, SolveOptions
-from stlc.backends.conformance import knapsack
+from stlc.backends.conformance_models import knapsack
 from stlc.backends.external import external
 from stlc.backends.highs import Highs
 from stlc.errors import SolverError, UsageError

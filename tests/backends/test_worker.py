@@ -7,7 +7,7 @@ import pytest
 
 from stlc.backends import get
 from stlc.backends.base import Progress, SolveOptions
-from stlc.backends.conformance import knapsack
+from stlc.backends.conformance_models import knapsack
 
 HARD = knapsack(200, 30)
 LIVE = ("highs", "scip", "gurobi")

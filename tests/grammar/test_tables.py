@@ -13,7 +13,8 @@ from lark import Lark
 
 from stlc import grammar
 from stlc.grammar.build import render
-from stlc.grammar.messages import MESSAGES, Message
+from stlc.grammar.message import Message
+from stlc.grammar.messages import MESSAGES
 from stlc.source import Source
 from stlc.syntax.friendly import message_for, stuck_at
 from stlc.syntax.parse import parse

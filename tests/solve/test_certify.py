@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from stlc.backends import get
 from stlc.backends.base import Capability, Solution, SolveOptions, Status
-from stlc.backends.conformance import knapsack
+from stlc.backends.conformance_models import knapsack
 from stlc.errors import SolverError
 from stlc.milp.builder import ModelBuilder
 from stlc.milp.model import Model, Origin

@@ -14,7 +14,9 @@ from stlc.source import Source, Span
 from stlc.syntax import ast
 from stlc.syntax.compare import same_syntax
 from stlc.syntax.parse import parse
-from stlc.syntax.print_expr import show, show_property, show_shape
+from stlc.syntax.print_expr import show
+from stlc.syntax.print_property import show_property
+from stlc.syntax.print_shape import show_shape
 from stlc.syntax.printer import format_file
 
 HERE = Span(Source("", ""), 0, 0)

@@ -1,0 +1,135 @@
+"""Interval reach sets from the start on: what bounds and dynamics say before any requirement does.
+
+Exact for box inputs without state bounds (support functions of the reach set along the axes):
+x_t = A^t x_0 + sum_k A^k (B u + drift).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stlc.analysis.doubles import check_held
+from stlc.arrays import Floats
+from stlc.ir.nodes import Role
+from stlc.mission import Agent, Mission, NormBound, PolygonKind, Polytope
+
+SLACK = 1e-9  # keeps rounding from cutting off a feasible point
+
+
+ROUNDING = 16 * float(np.finfo(float).eps)  # of a row's sum, for its terms; some to spare
+
+
+@dataclass(slots=True, eq=False)
+class Box:
+    """Growing knowledge of one agent: states (T+1, n), inputs (T, m); narrowed in place."""
+
+    agent: Agent
+    x_lower: Floats
+    x_upper: Floats
+    u_lower: Floats
+    u_upper: Floats
+
+    def narrow(self, role: Role, step: int, index: int, lower: float, upper: float) -> None:
+        """Intersect one interval."""
+        state = role is Role.STATE
+        low, high = (self.x_lower, self.x_upper) if state else (self.u_lower, self.u_upper)
+        low[step, index] = max(low[step, index], lower)
+        high[step, index] = min(high[step, index], upper)
+
+    def interval(self, role: Role, step: int, index: int) -> tuple[float, float]:
+        """One interval."""
+        state = role is Role.STATE
+        low, high = (self.x_lower, self.x_upper) if state else (self.u_lower, self.u_upper)
+        return float(low[step, index]), float(high[step, index])
+
+
+def start_box(agent: Agent, mission: Mission) -> Box:
+    """Declared bounds, norm polygons and workspace, the start fixed; then forward reach."""
+    steps, n, m = mission.horizon, *agent.dynamics.B.shape
+    box = Box(
+        agent,
+        np.tile(agent.state_lower.astype(float), (steps + 1, 1)),
+        np.tile(agent.state_upper.astype(float), (steps + 1, 1)),
+        np.tile(agent.input_lower.astype(float), (steps, 1)).reshape(steps, m),
+        np.tile(agent.input_upper.astype(float), (steps, 1)).reshape(steps, m),
+    )
+    for bound in agent.state_norms:
+        _clip(box.x_lower[1:], box.x_upper[1:], bound)
+    for bound in agent.input_norms:
+        _clip(box.u_lower, box.u_upper, bound)
+    _clip_workspace(box, mission.workspace)
+    box.x_lower[0] = np.maximum(box.x_lower[0], agent.start)
+    box.x_upper[0] = np.minimum(box.x_upper[0], agent.start)
+    _forward(box)
+    assert box.x_lower.shape == (steps + 1, n)
+    return box
+
+
+def _clip(lower: Floats, upper: Floats, bound: NormBound) -> None:
+    outer = bound.kind is PolygonKind.OUTER
+    reach = bound.limit / np.cos(np.pi / bound.sides) if outer else bound.limit
+    columns = list(bound.indices)
+    lower[:, columns] = np.maximum(lower[:, columns], -reach)
+    upper[:, columns] = np.minimum(upper[:, columns], reach)
+
+
+def _clip_workspace(box: Box, workspace: Polytope | None) -> None:
+    position = box.agent.dynamics.position
+    if workspace is None or position is None:
+        return
+    low, high = workspace.vertices.min(axis=0), workspace.vertices.max(axis=0)
+    for axis in range(2):
+        used = np.flatnonzero(position[axis])
+        if len(used) != 1:
+            continue
+        scale = position[axis, used[0]]
+        ends = sorted((low[axis] / scale, high[axis] / scale))
+        box.x_lower[:, used[0]] = np.maximum(box.x_lower[:, used[0]], ends[0])
+        box.x_upper[:, used[0]] = np.minimum(box.x_upper[:, used[0]], ends[1])
+
+
+def _forward(box: Box) -> None:
+    dynamics = box.agent.dynamics
+    power = np.eye(len(dynamics.A))
+    centre = box.agent.start.astype(float)
+    low = high = np.zeros(len(centre))
+    with np.errstate(over="ignore", invalid="ignore"):
+        for step in range(len(box.u_lower)):
+            gain = power @ dynamics.B
+            # Inputs are bounded alike at all steps, so step 0's box serves every power.
+            ends = image(gain, box.u_lower[0], box.u_upper[0])
+            low = low + ends[0] + power @ dynamics.drift
+            high = high + ends[1] + power @ dynamics.drift
+            power = dynamics.A @ power
+            centre = dynamics.A @ centre
+            size = np.abs(centre) + finite_size(low) + finite_size(high)
+            slack = SLACK + ROUNDING * (step + 1) * size
+            _meet(box, step + 1, centre + low - slack, centre + high + slack)
+            if (box.x_lower[step + 1] > box.x_upper[step + 1]).any():
+                return  # `propagate` says so
+
+
+def _meet(box: Box, step: int, low: Floats, high: Floats) -> None:
+    """Intersect the states at a step with what the dynamics can reach.
+
+    Raises MissionError where nothing else bounds a state that grows beyond doubles.
+    """
+    inputs = np.isfinite(box.u_lower[0]).all() and np.isfinite(box.u_upper[0]).all()
+    declared = np.stack([box.x_lower[step], box.x_upper[step]])
+    check_held(box.agent, step, declared, np.stack([low, high]), bounded_inputs=bool(inputs))
+    box.x_lower[step] = np.fmax(box.x_lower[step], low)  # NaN is no knowledge
+    box.x_upper[step] = np.fmin(box.x_upper[step], high)
+
+
+def finite_size(values: Floats) -> Floats:
+    return np.where(np.isfinite(values), np.abs(values), 0.0)
+
+
+def image(matrix: Floats, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
+    """Interval of matrix @ v for v in [lower, upper]; 0 times infinity counts as 0."""
+    with np.errstate(invalid="ignore"):
+        a = np.where(matrix == 0, 0.0, matrix * lower)
+        b = np.where(matrix == 0, 0.0, matrix * upper)
+    return np.minimum(a, b).sum(axis=-1), np.maximum(a, b).sum(axis=-1)
