@@ -81,7 +81,9 @@ class ChannelTables:
             self._memo[key] = self._thresholds(channel, link, pair)
         found = self._memo[key]
         assert isinstance(found, Thresholds)
-        return found
+        if link.factor == 1.0:
+            return found
+        return Thresholds(link.factor * found.low, link.factor * found.high)
 
     def _alike(self, channel: Channel, pair: Pair) -> tuple[object, ...]:
         """Two pairs of agents share a model's table, unless offsets or heights tell them apart."""
@@ -261,6 +263,8 @@ def true_robustness(channel: Channel, link: Link, values: LinkValues) -> Array:
     if link.quantity is Quantity.COST:
         cost = link_cost(CostName(channel.cost), values.mean, values.sigma, budget).values
         at_least = link.relation is Relation.AT_LEAST
-        return cost - link.threshold if at_least else link.threshold - cost
+        return link.factor * (cost - link.threshold if at_least else link.threshold - cost)
     wanted = predicate(link, budget)
-    return wanted.robustness(quantity_value(wanted, values.mean, values.sigma, budget))
+    return link.factor * wanted.robustness(
+        quantity_value(wanted, values.mean, values.sigma, budget)
+    )

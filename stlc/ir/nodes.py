@@ -3,7 +3,7 @@
 Semantics (discrete steps t = 0..T; rho is the robustness, satisfied means rho >= margin):
 
 * `Linear`: rho = constant + sum of coefficient * signal(t + shift).
-* `Link`: rho = quantity - threshold for `>=`, threshold - quantity for `<=`.
+* `Link`: rho = factor (quantity - threshold) for `>=`, factor (threshold - quantity) for `<=`.
 * `Always[a,b] f`: min over t' in [t+a, t+b]; `Eventually`: max.
 * `Until[a,b] (f, g)`: max over t' in [t+a, t+b] of min(g at t', f at every step of [t, t']).
 * `Release[a,b] (f, g)`: the dual, not(not f until[a,b] not g).
@@ -163,6 +163,7 @@ class Link(Node):
     """`quantity(sender, receiver) relation threshold` on a channel, `shift` steps later.
 
     With `probability` p it is the chance form P(quantity relation threshold) >= p for one packet.
+    `factor` > 0 is what the quantity is multiplied by in the file: it scales the robustness.
     """
 
     channel: str
@@ -173,12 +174,13 @@ class Link(Node):
     threshold: float
     probability: float | None = None
     shift: int = 0
+    factor: float = 1.0
 
     @property
     def key(self) -> tuple[object, ...]:
         return (
             self.channel, self.quantity, self.sender, self.receiver,
-            self.relation, self.threshold, self.probability, self.shift,
+            self.relation, self.threshold, self.probability, self.shift, self.factor,
         )  # fmt: skip
 
 

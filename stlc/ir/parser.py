@@ -241,5 +241,8 @@ class _Reader:
         threshold = self.number()
         probability = self.number() if self.skip("p") else None
         shift = self.shift()
+        factor = self.number() if self.skip("times") else 1.0
         self.take(")")
-        return Link(channel, quantity, sender, receiver, relation, threshold, probability, shift)
+        return Link(
+            channel, quantity, sender, receiver, relation, threshold, probability, shift, factor
+        )

@@ -112,10 +112,11 @@ def _signal(signal: Signal) -> str:
 def _link(node: Link) -> str:
     chance = "" if node.probability is None else f" p {_number(node.probability)}"
     shift = f" @{node.shift}" if node.shift else ""
+    factor = "" if node.factor == 1.0 else f" times {_number(node.factor)}"
     ends = f"{_name(node.sender)}, {_name(node.receiver)}"
     return (
         f"link({_name(node.channel)} {node.quantity.value}({ends})"
-        f" {node.relation.value} {_number(node.threshold)}{chance}{shift})"
+        f" {node.relation.value} {_number(node.threshold)}{chance}{shift}{factor})"
     )
 
 

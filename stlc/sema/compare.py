@@ -178,6 +178,7 @@ def _link(scalar: Scalar, links: list[tuple[LinkAtom, float]], span: Span) -> Li
         relation,
         -scalar.constant / coefficient,
         shift=atom.shift,
+        factor=abs(coefficient),
         span=span,
     )
 

@@ -157,7 +157,7 @@ def chance(expr: ast.Call, env: Env, scope: Scope) -> Value:
     value = scope.value(expr.args[0], env)
     node = value.node if isinstance(value, Truth) else None
     if isinstance(node, Link) and node.quantity is not Quantity.COST:
-        return Chance(node)
+        return Chance(replace(node, factor=1.0))  # its robustness is that of the level reached
     raise Mistake(
         BadLink(
             span=expr.args[0].span,

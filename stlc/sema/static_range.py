@@ -141,11 +141,12 @@ def _link(node: Link) -> Interval:
     low, high = _QUANTITY.get(node.quantity, (-inf, inf))
     match node.relation:
         case Relation.AT_LEAST:
-            return low - node.threshold, high - node.threshold
+            ends = low - node.threshold, high - node.threshold
         case Relation.AT_MOST:
-            return node.threshold - high, node.threshold - low
+            ends = node.threshold - high, node.threshold - low
         case _:
             assert_never(node.relation)
+    return node.factor * ends[0], node.factor * ends[1]
 
 
 def boxes(
