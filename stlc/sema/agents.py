@@ -10,7 +10,7 @@ import numpy as np
 from stlc.mission import Agent, Array, Dynamics, Station, TurnRate
 from stlc.sema import props
 from stlc.sema.bounds import Bounds, apply
-from stlc.sema.dynamics import dynamics
+from stlc.sema.dynamics import STRUCTURE, dynamics
 from stlc.sema.members import unit_of
 from stlc.sema.name_errors import UnknownName, WrongKind
 from stlc.sema.report import Mistake, Reported, suggested_fix, suggestion
@@ -70,10 +70,10 @@ def agent(statement: ast.AgentDecl, name: str, env: Env, scope: Scope) -> Agent:
     every = [*own, *(p for p in inherited if p.key.text not in keys)]
     block = props.Block(owner, {p.key.text: p for p in every})
     item = block.get("mass")
-    mass = 1.0 if item is None else props.number(item, KILOGRAM, "mass 1 kg", scope)
+    mass = 1.0 if item is None else scope.number(props.only(item, "mass 1 kg"), KILOGRAM, env)
     if item is not None and mass <= 0:
         raise props.bad(item, "must be above 0", "mass 1 kg")
-    bounds = Bounds(base, mass)
+    bounds = Bounds(base, mass, env)
     for prop in every:
         if prop.key.text in ("control", "speed", "state", *limits):
             with scope.report.guard():
@@ -87,8 +87,8 @@ def agent(statement: ast.AgentDecl, name: str, env: Env, scope: Scope) -> Agent:
         state_upper=bounds.state_upper,
         input_lower=bounds.input_lower,
         input_upper=bounds.input_upper,
-        effort_state=_weights(block, "effort_state", base.states, 0.0, scope),
-        effort_input=_weights(block, "effort_input", base.inputs, 1.0, scope),
+        effort_state=_weights(block, "effort_state", base.states, 0.0, scope, env),
+        effort_input=_weights(block, "effort_input", base.inputs, 1.0, scope, env),
         integer_inputs=block.get("integer") is not None,
         state_norms=tuple(bounds.state_norms),
         input_norms=tuple(bounds.input_norms),
@@ -98,7 +98,7 @@ def agent(statement: ast.AgentDecl, name: str, env: Env, scope: Scope) -> Agent:
     first = block.get("start")
     scope.starts[name] = statement.name.span if first is None else first.span
     with scope.report.guard():
-        return replace(made, turn_rate=turn_rate(block, made, scope))
+        return replace(made, turn_rate=turn_rate(block, made, scope, env))
     return made
 
 
@@ -134,8 +134,9 @@ def model_of(name: ast.Ident, scope: Scope) -> tuple[Dynamics, list[ast.Property
         scope.used.add(name.text)
         if name.text in scope.broken:
             raise Reported
-        own = [p for p in found.properties if p.key.text in PROPERTIES]
-        return scope.models[name.text], own
+        model = scope.models[name.text]
+        keys = {*PROPERTIES, *model.states, *model.inputs} - {*STRUCTURE}
+        return model, [p for p in found.properties if p.key.text in keys]
     if found is None and name.text in _KINDS:
         statement = ast.DynamicsDecl(name.span, name, name, ())
         return dynamics(statement, (), scope), []
@@ -188,24 +189,29 @@ def start(
 
 
 def _weights(
-    block: props.Block, key: str, names: tuple[str, ...], default: float, scope: Scope
+    block: props.Block,
+    key: str,
+    names: tuple[str, ...],
+    default: float,
+    scope: Scope,
+    env: Env,
 ) -> Array:
     item = block.get(key)
     if item is None:
         return np.full(len(names), default)
     usage = f"{key} ({', '.join('1' for _ in names)})"
     expr = props.only(item, usage)
-    value = scope.value(expr)
+    value = scope.value(expr, env)
     if isinstance(value, Scalar):
-        weights = np.full(len(names), scope.constant(expr).constant)
+        weights = np.full(len(names), scope.constant(expr, env).constant)
     else:
-        weights = props.numbers(expr, scope, [None] * len(names))
+        weights = props.numbers(expr, scope, [None] * len(names), env)
     if (weights < 0).any():
         raise props.bad(item, "has a negative weight", usage)
     return weights
 
 
-def turn_rate(block: props.Block, made: Agent, scope: Scope) -> TurnRate | None:
+def turn_rate(block: props.Block, made: Agent, scope: Scope, env: Env) -> TurnRate | None:
     """`turn_rate on` or `turn_rate literal`, with `directions 16` and `rest_speed 0.05`."""
     item = block.get("turn_rate")
     if item is None:
@@ -223,7 +229,7 @@ def turn_rate(block: props.Block, made: Agent, scope: Scope) -> TurnRate | None:
         key = words.pop(0)
         if not isinstance(key, ast.Name) or key.text not in options or not words:
             raise props.bad(item, "has an unknown word", f"{usage} directions 16", key.span)
-        options[key.text] = scope.number(words.pop(0), SPEED)
+        options[key.text] = scope.number(words.pop(0), SPEED, env)
     return _turn_rate(item, made, mode == "literal", options)
 
 

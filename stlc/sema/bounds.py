@@ -13,10 +13,10 @@ from stlc.sema import props
 from stlc.sema.members import unit_of
 from stlc.sema.name_errors import WrongKind
 from stlc.sema.report import Mistake
-from stlc.sema.scope import Scope, as_scalar, wrong_unit
+from stlc.sema.scope import EMPTY, Scope, as_scalar, wrong_unit
 from stlc.sema.shape_errors import EmptyBound
 from stlc.sema.units import NEWTON, Unit
-from stlc.sema.values import Items
+from stlc.sema.values import Env, Items
 from stlc.sema.warnings import OuterPolygon
 from stlc.source import Span
 from stlc.syntax import ast
@@ -45,6 +45,7 @@ class Bounds:
 
     dynamics: Dynamics
     mass: float
+    env: Env = EMPTY  # what the limits may use: the number of a family's member
     state_lower: Array = field(init=False)
     state_upper: Array = field(init=False)
     input_lower: Array = field(init=False)
@@ -104,7 +105,7 @@ def _limit(item: ast.Property, expr: ast.Expr, bounds: Bounds, scope: Scope) -> 
 
 def _interval(item: ast.Property, expr: ast.Membership, bounds: Bounds, scope: Scope) -> None:
     target = _target(expr.subject, bounds.dynamics)
-    value = scope.value(expr.place)
+    value = scope.value(expr.place, bounds.env)
     if target is None or not isinstance(value, Items) or len(value.items) != 2:
         raise props.bad(item, "is not a bound", usage_of(item.key.text))
     ends = [as_scalar(v, expr.place.span) for v in value.items]
@@ -131,7 +132,7 @@ def _comparison(
     low, high = -np.inf, np.inf
     for k, operator in enumerate(expr.operators):
         other = expr.operands[k if k != where[0] else k + 1]
-        scalar = scope.constant(other)
+        scalar = scope.constant(other, bounds.env)
         limit = _converted(scalar.constant, scalar.unit, target, bounds, other.span)
         if (k >= where[0]) == (operator in ("<", "<=")):
             high = min(high, limit)

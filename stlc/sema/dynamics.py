@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -28,6 +29,7 @@ STRUCTURE = (
     "position", "velocity", "output", "outputs", "dimensions",
 )  # fmt: skip
 AXES = "xyz"
+_UNNAMED = re.compile(r"[xu]\d+|[pvu][xyz]")  # states and inputs that nobody named
 
 
 def dynamics(
@@ -36,12 +38,37 @@ def dynamics(
     """The dynamics that a declaration means. Raises Mistake."""
     plain, outputs = split_outputs(properties)
     owner = f"dynamics `{statement.name.text}`"
-    block = props.block(owner, plain, STRUCTURE, scope)
+    structure = [item for item in plain if item.key.text in STRUCTURE]
+    block = props.block(owner, structure, STRUCTURE, scope)
+    rest = [item for item in plain if item.key.text not in STRUCTURE]
+    bounds = [item for item in rest if _may_be_named(item.key.text, block)]
+    _report_unknown(owner, [item for item in rest if item not in bounds], (), scope)
     if statement.kind is None:
         base = from_matrices(statement, block, scope)
     else:
         base = named(statement.kind, block, scope)
+    _report_unknown(owner, bounds, (*base.states, *base.inputs), scope)
     return with_outputs(base, outputs, scope)
+
+
+def _may_be_named(key: str, block: props.Block) -> bool:
+    """Whether a state or input may turn out to have this name: then the property bounds it."""
+    given = [item for item in (block.get("states"), block.get("inputs")) if item is not None]
+    listed = {a.text for item in given for a in _flat(item.args) if isinstance(a, ast.Name)}
+    return key in listed or _UNNAMED.fullmatch(key) is not None
+
+
+def _flat(args: tuple[ast.Expr, ...]) -> tuple[ast.Expr, ...]:
+    first = args[0] if args else None
+    return first.items if isinstance(first, ast.Tuple | ast.List) else args
+
+
+def _report_unknown(
+    owner: str, items: Sequence[ast.Property], limits: Sequence[str], scope: Scope
+) -> None:
+    for item in items:
+        if item.key.text not in limits:
+            scope.report.add(props.unknown_property(owner, item, (*STRUCTURE, *limits)))
 
 
 def split_outputs(

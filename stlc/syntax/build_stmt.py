@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from stlc.syntax import ast
+from stlc.syntax.bounded import bounded_name
 from stlc.syntax.build_expr import Children, ExprBuilder
 
 Properties = tuple[ast.Property, ...]
@@ -62,6 +63,14 @@ class StatementBuilder(ExprBuilder):
         key, place = c
         name = self.name(key.start, key.end, [key])
         return self._property(start, end, key, (self.inside(start, end, [name, place, None]),))
+
+    def property_chain(self, start: int, end: int, c: Children) -> ast.Property:
+        first, tail, more = c
+        comparison = self.compared(start, tail[-1].span.end, [first, tail])
+        name = bounded_name(comparison)
+        span = comparison.span if name is None else name.span
+        key = ast.Ident(span.text if name is None else name.text, span)
+        return ast.Property(key, (comparison, *(more or ())), False, self.span(start, end))
 
     # --- shapes ------------------------------------------------------------------------------
 

@@ -260,7 +260,7 @@ class _Context(Neighbours):
         if not self.operand and self._last != "KEY":
             return
         after = self._peek()
-        if after.kind in (NAME, NUMBER) or after.text == "}":
+        if after.kind in (NAME, NUMBER) or after.text == "}" or self._begins_chain(after):
             self._separate(self.tokens[self.at])
 
     def _listing(self) -> bool:

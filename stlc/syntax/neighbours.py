@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from itertools import dropwhile, takewhile
 from typing import Final
 
 from stlc.grammar import tables
@@ -26,6 +27,7 @@ _NAME_BEFORE: Final = frozenset(
     | {"COMMA", "DOT", "DOTS", "RPAR", "RSQB", "LBRACE", "RBRACE", "SEP"}
     | {"AND", "OR", "IMPLIES", "IFF"}
 )
+_NORMED: Final = frozenset({"control", "speed", "state"})  # a magnitude may follow on the next line
 _COMPARED: Final = frozenset({"LE", "LT", "GE", "GT", "EQEQ", "NE"})
 NOTHING: Final = Token("$END", "", 0, 0)
 
@@ -202,3 +204,26 @@ class Neighbours:
         while position < len(self.tokens) and self.tokens[position].kind == NEWLINE:
             position += 1
         return self.tokens[position] if position < len(self.tokens) else NOTHING
+
+    def _begins_chain(self, first: Token) -> bool:
+        """Whether the next line is a property such as `-1 <= vx <= 1` or `|vx| <= 1`."""
+        bar = first.text == "|"
+        if not self._in_property or not (bar or first.text in ("-", "−", "(")):
+            return False
+        if bar and (self._peek(2).start > first.end or self.out[-1].text in _NORMED):
+            return False
+        return self._line_compares()
+
+    def _line_compares(self) -> bool:
+        """Whether the next line with words has a comparison outside of brackets."""
+        ahead = dropwhile(lambda token: token.kind == NEWLINE, self.tokens[self.at :])
+        depth = 0
+        for token in takewhile(lambda token: token.kind != NEWLINE, ahead):
+            if token.kind != SYMBOL:
+                continue
+            depth += (token.text in ("(", "[", "{")) - (token.text in (")", "]", "}"))
+            if depth < 0 or (depth == 0 and token.text in (";", ",")):
+                return False
+            if depth == 0 and symbol_terminals().get(token.text) in _COMPARED:
+                return True
+        return False

@@ -7,6 +7,7 @@ from typing import Final
 
 from stlc.grammar.units import UNITS
 from stlc.syntax import ast
+from stlc.syntax.bounded import bounded_name
 from stlc.syntax.neighbours import word_terminals
 from stlc.syntax.print_expr import compared, show, show_name
 
@@ -29,6 +30,8 @@ def show_property(item: ast.Property) -> str:
     first, *rest = item.args
     if _starts_with(first, key):
         text = key + show(first).removeprefix(show_name(key))
+    elif _is_chain(first, key):
+        text = show(first)
     else:
         text = f"{key} {_word(first)}"
     before = first
@@ -47,6 +50,15 @@ def _starts_with(first: ast.Expr, key: str) -> bool:
             return text == key
         case _:
             return False
+
+
+def _is_chain(first: ast.Expr, key: str) -> bool:
+    """`-1 <= vx <= 1`: the comparison holds the key and can't be read as the value of another."""
+    if not isinstance(first, ast.Comparison):
+        return False
+    name = bounded_name(first)
+    held = not key.isidentifier() if name is None else name.text == key
+    return held and show(first)[0] in "-|(.0123456789"
 
 
 def _word(arg: ast.Expr) -> str:

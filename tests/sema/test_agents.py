@@ -191,3 +191,99 @@ def test_a_start_may_be_a_position_in_every_dimension(dimensions, start, state) 
     text += f"agent r : d {{ start {start}; control |u| <= 1 }}\n"
     text += "require a: always[0, 2] r.px >= 0 m\n"
     assert loads(text).agents["r"].start.tolist() == state
+
+
+KART = "agent a : double_integrator {{ start (1, 1); control |u| <= 1; {} }}"
+
+
+@pytest.mark.parametrize(
+    ("written", "state", "low", "high"),
+    [
+        ("-1 <= vx <= 1", 2, -1.0, 1.0),
+        ("1 >= vx > -1", 2, -1.0, 1.0),
+        ("-1 m/s <= vx <= 0.5 m/s", 2, -1.0, 0.5),
+        ("|vx| <= 1", 2, -1.0, 1.0),
+        ("vx >= -1", 2, -1.0, np.inf),
+        ("2 >= vx", 2, -np.inf, 2.0),
+        ("(-1) <= vx; vx <= 3", 2, -1.0, 3.0),
+        ("-most <= vx <= most", 2, -0.5, 0.5),
+        ("|vx| <= most", 2, -0.5, 0.5),
+        ("-most <= vx", 2, -0.5, np.inf),
+        ("-(1 + 1) <= vy <= 2 * 2", 3, -2.0, 4.0),
+        ("mass 2 kg\n-1 <= vx <= 1", 2, -1.0, 1.0),
+        ("integer\n|vy| <= 1", 3, -1.0, 1.0),
+        ("mass 2 kg # heavy\n\n  |vx| <= 1\n", 2, -1.0, 1.0),
+        ("speed <= 5\n  - 1\n0 <= px <= 4", 0, 0.0, 4.0),
+    ],
+)
+def test_bounds_as_bare_comparisons(written: str, state: int, low: float, high: float) -> None:
+    made = agent("param most = 0.5\n" + KART.format(written))
+    assert (made.state_lower[state], made.state_upper[state]) == (low, high)
+
+
+def test_a_comparison_that_goes_on_below_is_one_property() -> None:
+    made = agent(KART.format("speed <= 5\n  - 1\n"))
+    assert [norm.limit for norm in made.state_norms] == [4.0]
+    made = agent("agent a : double_integrator { start (1, 1); control\n  |u| <= 2\n}")
+    assert np.array_equal(made.input_upper, [2.0, 2.0])
+
+
+def test_a_comparison_of_no_state_is_told() -> None:
+    assert codes(KART.format("-1 <= wx <= 1")) == ["E0207"]
+    assert codes(KART.format("-1 <= 3")) == ["E0207"]
+    assert codes(KART.format("3 <= vx <= 1")) == ["E0410"]
+    assert codes(KART.format("-1 dB <= vx <= 1")) == ["E0306"]
+
+
+TANK = (
+    "dynamics tank {{ A = [[0.9, 0.1], [0, 1]]; B = [[0], [1]]; states level flow; inputs pump;"
+    " {} }}\nagent a : tank {{ start (1, 0); {} }}"
+)
+
+
+def test_dynamics_bound_their_states_and_inputs_by_name() -> None:
+    made = agent(TANK.format("pump in [0, 1]; level <= 5; -2 <= flow <= 2", ""))
+    assert np.array_equal(made.input_lower, [0.0])
+    assert np.array_equal(made.input_upper, [1.0])
+    assert np.array_equal(made.state_lower, [-np.inf, -2.0])
+    assert np.array_equal(made.state_upper, [5.0, 2.0])
+    own = agent(TANK.format("pump in [0, 1]; level <= 5", "level <= 9; flow >= -1"))
+    assert np.array_equal(own.state_upper, [9.0, np.inf])
+    assert np.array_equal(own.state_lower, [-np.inf, -1.0])
+    assert np.array_equal(own.input_upper, [1.0])
+    unnamed = "dynamics d { A = [[1]]; B = [[1]]; x0 <= 4; u0 in [-1, 1] }\nagent a : d { start 1 }"
+    assert np.array_equal(agent(unnamed).state_upper, [4.0])
+
+
+def test_named_kinds_bound_them_too() -> None:
+    base = "dynamics d = double_integrator { vx <= 2; control |u| <= 1; speed <= 3 }\n"
+    made = agent(base + "agent a : d { start (1, 1); control |u| <= 2 }")
+    assert made.state_upper[2] == 2.0
+    assert np.array_equal(made.input_upper, [2.0, 2.0])
+    assert [norm.limit for norm in made.state_norms] == [3.0]
+
+
+def test_what_dynamics_do_not_have_is_told_once() -> None:
+    assert codes(TANK.format("levl <= 5; pump in [0, 1]", "")) == ["E0207"]
+    assert codes(TANK.format("x7 <= 5; pump in [0, 1]", "")) == ["E0207"]
+    both = "dynamics d { B = [[1]]; stats x; x0 <= 1 }\nagent a : d { start 1 }"
+    assert sorted(codes(both)) == ["E0207", "E0409"]
+    family = TANK.format("level <= 5 dB; state_units m m/s", "").replace(
+        "agent a ", "agent b[1..3] "
+    )
+    with pytest.raises(MissionError) as caught:
+        loads(f"horizon 3\n{family}\nrequire: always b[1].pump <= 9\n")
+    assert [d.code for d in caught.value.diagnostics] == ["E0306"]
+
+
+def test_the_number_of_a_member_in_every_property() -> None:
+    text = (
+        "horizon 3\nagent f[1..3] : double_integrator { start (i, 1); control |u| <= i; "
+        "-i <= vx <= i; px in [0, 10 * i]; mass i; effort_input (i, 1) }\n"
+        "require: always f[1].x <= 9\n"
+    )
+    made = loads(text).agents["f[3]"]
+    assert np.array_equal(made.input_upper, [3.0, 3.0])
+    assert (made.state_lower[2], made.state_upper[2], made.state_upper[0]) == (-3.0, 3.0, 30.0)
+    assert np.array_equal(made.effort_input, [3.0, 1.0])
+    assert made.mass == 3.0

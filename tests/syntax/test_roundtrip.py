@@ -152,7 +152,22 @@ class Trees:
     def property(self) -> ast.Property:
         if self.random.random() < 0.3:
             return ast.Property(self.ident(), (self.expr(),), True, HERE)
+        if self.random.random() < 0.3:
+            return self.chain()
         return ast.Property(self.ident(), self.some(self.expr, 0, 3), False, HERE)
+
+    def chain(self) -> ast.Property:
+        """`-most <= vx <= 1`, `|vx| <= most`, and words behind them."""
+        pick = self.random.choice
+        name = ast.Name(HERE, pick(["vx", "level", "u", "s", "m"]))
+        limit = pick([self.number(), ast.Negate(HERE, ast.Name(HERE, "most"))])
+        end = pick([self.number(), ast.Name(HERE, "most")])
+        size = pick([ast.Absolute(HERE, name), ast.Absolute(HERE, ast.Index(HERE, name, (end,)))])
+        operands = pick([(limit, name, end), (limit, name), (size, end), (limit, size, end)])
+        less = ("<=",) * (len(operands) - 1)
+        words = pick([(), (ast.Name(HERE, "polygon"), self.number())])
+        comparison = ast.Comparison(HERE, operands, less)
+        return ast.Property(ident(name.text), (comparison, *words), False, HERE)
 
     def block(self) -> tuple[ast.Property, ...]:
         return self.some(self.property, 0, 3)
