@@ -4,8 +4,8 @@
 
 Makes `results/tuning.txt`: for each mission the processor seconds, the plan's value and the bound
 as the record stands, and for each number varied the same three relative to that. Every run is a
-process of its own, one after the other, with one thread; runs go to `out/tuning.ndjson`, and what
-is there is not made again.
+process of its own, one after the other, with one thread, and stops after so many seconds of
+processor time; runs go to `out/tuning.ndjson`, and what is there is not made again.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +41,7 @@ PLAN = {
 }
 """Record -> missions of benchmarks/missions whose search reads it."""
 
+CLOCK = 20.0  # s of the clock for each of processor time, at most: the machine may be busy
 SMALLEST = 0.1  # s of processor time: below, a ratio says nothing
 NOISE = 0.1  # of processor time
 
@@ -65,11 +67,17 @@ def run(mission: str, limit: float, number: str, value: float) -> Run:
     loaded, began = load(MISSIONS / f"{mission}.stl"), _cpu()
     plan, bound = None, None
     try:
-        info = solve(loaded, SolveSettings(time_limit=limit, threads=1, seed=0)).plan.solve
+        settings = SolveSettings(time_limit=CLOCK * limit, threads=1, seed=0)
+        late = partial(_late, began + limit)
+        info = solve(loaded, settings, should_stop=late).plan.solve
         plan, bound = info.objective, info.bound
     except NoPlanError as error:
         bound = error.bound
     return Run(mission, limit, number, value, _cpu() - began, plan, bound)
+
+
+def _late(when: float) -> bool:
+    return _cpu() >= when
 
 
 def _cpu() -> float:
@@ -167,7 +175,7 @@ def main() -> None:
     """Run what is missing, write the tables; with --one, that run and its line of JSON."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--records", default=",".join(PLAN))
-    parser.add_argument("--limit", type=float, default=30.0)
+    parser.add_argument("--limit", type=float, default=30.0, help="of processor time [s]")
     parser.add_argument("--output", type=Path)
     parser.add_argument("--one", type=json.loads, help=argparse.SUPPRESS)
     asked = parser.parse_args()

@@ -5,5 +5,5 @@ The Python API is `stlc.api` (`load`, `loads`, `check`, `compile`, `solve`, `ver
 
 from __future__ import annotations
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 __all__ = ["__version__"]

@@ -11,6 +11,7 @@ ROOT = Path(__file__).resolve().parent.parent
 ALLOWED_TOP = {
     "pyproject.toml", "README.md", "stlc", "grammar", "backends", "tests", "benchmarks",
     "examples", "docs", "Makefile", "constraints.txt", "constraints-lowest.txt", "LICENSE",
+    "CONTRIBUTING.md", "CHANGELOG.md",
 }  # fmt: skip
 
 

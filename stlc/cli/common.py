@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from itertools import combinations
 from pathlib import Path
+from traceback import format_exception
 from typing import TYPE_CHECKING, Any, Literal
 
 import click
@@ -62,9 +63,15 @@ def _message(error: BaseException) -> BaseException | str:
     return error.format_message() if isinstance(error, click.ClickException) else error
 
 
+def debugging() -> bool:
+    """Whether STLC_DEBUG asks for tracebacks of internal errors and for the events of searches."""
+    return bool(os.environ.get("STLC_DEBUG"))
+
+
 def _confess(error: BaseException) -> int:
-    if os.environ.get("STLC_DEBUG"):
-        raise error
+    """Own up to an error that is a bug of ours; with STLC_DEBUG, say where it came from."""
+    if debugging():
+        click.echo("".join(format_exception(error)), err=True, nl=False)
     complain(
         f"internal error ({type(error).__name__}: {error}).\n"
         "This is a bug in stlc, not in your file; STLC_DEBUG=1 shows where. Please report it."

@@ -7,6 +7,7 @@ import sys
 
 import click
 
+from stlc.cli.common import debugging
 from stlc.solve.events import (
     DiagnosticEvent,
     Event,
@@ -23,7 +24,12 @@ _CLEAR = "\r\x1b[K"
 
 
 def listener(style: str) -> Listener:
-    """`auto`, `line`, `ndjson` or `none`; everything goes to standard error."""
+    """`auto`, `line`, `ndjson` or `none`; everything goes to standard error.
+
+    With STLC_DEBUG it is NDJSON, whatever was asked: a log of every event.
+    """
+    if debugging():
+        return _ndjson
     if style == "auto":
         style = "line" if sys.stderr.isatty() else "ndjson"
     return {"line": _line, "ndjson": _ndjson, "none": ignore}[style]
