@@ -146,6 +146,7 @@ def _check_gross(solution: Solution, found: Violations, tolerance: float) -> Non
 
 
 def _check_objective(model: Model, solution: Solution, x: Floats) -> None:
+    """SolverError unless objective and bound claimed are those of the point, within rounding."""
     if solution.objective is None:
         raise refusal(solution, "it returned a point without its objective")
     value = exact_objective(model, x)

@@ -213,6 +213,8 @@ class _Job:
         return kind(f"{text}; no plan can {word} than {limit:.6g}", limit)
 
     def _finish(self, solution: Solution, seconds: dict[str, float]) -> Outcome:
+        """A certified point as outcome: verified, with warnings told and a second opinion if asked
+        for."""
         judging = Stopwatch()
         self.listen(StatusEvent("verify", "certifying the point, verifying the plan"))
         plan, report = self.judge.accept(solution, self._options_asked())

@@ -65,6 +65,8 @@ class Supervisor:
             self._queue.put(_End(None, error))
 
     def _wait(self) -> Solution | None:
+        """Deliver reports until the work answers, raises, or is left behind (None) after its
+        grace."""
         deadline = Deadline.after(self.options.time_limit)
         while True:
             over = self._deliver(self._pending())

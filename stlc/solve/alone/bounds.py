@@ -45,6 +45,8 @@ def lone_runs(work: Work) -> tuple[LoneRun, ...]:
 
 
 def _alone(work: Work, name: str) -> LoneRun | None:
+    """One agent's bound and run, its mission solved without the others; None where that says
+    nothing."""
     compiled = work.compiled
     mission = project(compiled.mission, (name,), compiled.channels)
     if not mission.objective or work.deadline.over():
@@ -83,6 +85,7 @@ def bounded(compiled: Compiled, lone: Sequence[LoneRun]) -> Compiled:
 
 
 def _with_rows(model: Model, rows: Sequence[tuple[Ints, float]]) -> Model:
+    """The model with a row for each (columns, bound): their cost is at least the bound."""
     from scipy.sparse import csr_matrix, vstack
 
     columns = np.concatenate([columns for columns, _ in rows])

@@ -36,6 +36,7 @@ def project(mission: Mission, team: Collection[str], channels: ChannelTables) ->
 
 
 def _taken(node: Node, others: Collection[str]) -> Node:
+    """True in place of a predicate that names another agent: what is asked is only ever less."""
     match node:
         case Linear(terms=terms):
             named = {signal.owner for signal, _ in terms}

@@ -120,6 +120,7 @@ class Agreement:
         """Least costs to go under the prices as they are; the bound."""
 
         def work(pair: Pair) -> list[Singles]:
+            """Cost-to-go of a pair at each step, swept back from the last."""
             ends = tuple(len(self.rows[n][-1]) for n in pair)
             out = [np.zeros(ends, np.float32)]
             for t in range(self.steps - 1, -1, -1):
@@ -135,6 +136,8 @@ class Agreement:
         for t in range(1, self.steps + 1):
 
             def work(pair: Pair, t: int = t) -> tuple[Singles, Singles]:
+                """A pair's cost up to step t, and the cost of its best run through each state pair
+                there."""
                 before = self._table[pair][t - 1]
                 if t > 1:
                     before = before + self._stage(pair, t - 1)
@@ -161,6 +164,7 @@ class Agreement:
                 self._table[p][t] = behind[p]
 
             def work(pair: Pair, t: int = t, last: dict[Pair, Singles] = behind) -> Singles:
+                """A pair's cost-to-go from step t - 1, given the one from t."""
                 return self._back(pair, t - 1, last[pair] + self._stage(pair, t))
 
             behind = self._each(work)

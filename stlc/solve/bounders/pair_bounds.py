@@ -120,6 +120,7 @@ class Tightener:
         self._keep(node, alive)
 
     def _keep(self, node: Node, alive: list[Bools]) -> None:
+        """Keep the state pairs that are `alive` (T+1 masks), and drop states that are in none."""
         kept = [[np.asarray(m.any(axis)) for m in alive] for axis in (1, 0)]
         rows = [
             [restrict(layer, k) for layer, k in zip(node.layers[n], kept[n], strict=True)]

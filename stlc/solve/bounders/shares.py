@@ -26,6 +26,7 @@ def lighter(body: Body, degree: int) -> Body:
     """With an equal part of its effort for each of `degree` pairs."""
 
     def axis(a: Axis) -> Axis:
+        """An axis at an agent's share of its costs, one for each pair that it is in."""
         return replace(a, rate_cost=a.rate_cost / degree, change_cost=a.change_cost / degree)
 
     return replace(body, axes=(axis(body.axes[0]), axis(body.axes[1])))
@@ -48,6 +49,8 @@ def coarsened(problem: Problem, most: int) -> Problem:
     made: dict[int, Floats] = {}
 
     def least(costs: Floats | None) -> Floats | None:
+        """Costs over merged cells: the least of the cells merged, so a lower bound; kept by
+        identity."""
         if costs is not None and id(costs) not in made:
             out = np.full((count,) * costs.ndim, np.inf)
             index = [block[known]] * costs.ndim

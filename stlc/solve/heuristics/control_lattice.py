@@ -212,4 +212,5 @@ def _before(grid: AxisLattice, axis: Axis, t: int, p: int, rate: int) -> tuple[I
 
 
 def between(values: Floats, span: Floats) -> Bools:
+    """Which values lie within a closed span (2,), up to EDGE."""
     return np.asarray((values >= span[0] - EDGE) & (values <= span[1] + EDGE))

@@ -96,6 +96,7 @@ class Descent:
         return out.astype(np.float32)
 
     def _add_links(self, stage: Singles, n: int, m: int, path: Floats) -> None:
+        """Add agent n's link costs to `stage` [step, x, y], agent m on its `path` (T+1, 2) [m]."""
         costs = self.problem.pairs.get((min(n, m), max(n, m)))
         grids = self.grids[n]
         if costs is None or grids is None:
@@ -109,6 +110,7 @@ class Descent:
             stage[t] += self._least(row, grids[0].positions, grids[1].positions)
 
     def _add_apart(self, stage: Singles, n: int, m: int, path: Floats) -> None:
+        """Forbid states of n too near to m on its `path` (T+1, 2): infinite cost in `stage`."""
         grids = self.grids[n]
         assert grids is not None
         x, y = (g.positions for g in grids)

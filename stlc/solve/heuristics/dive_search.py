@@ -205,6 +205,8 @@ class DiveSearch:
         return open_ * total
 
     def _decide(self, column: int) -> bool:
+        """Take the alternative of a literal and what follows from it; False where no LP point is
+        left."""
         self._bound(np.array([column]), 1.0, 1.0)
         out = self.conflicts.get(column, _NONE)
         out = out[self.upper[out] > 0]

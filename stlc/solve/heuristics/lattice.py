@@ -71,6 +71,8 @@ def _moves(
     parts: int,
     step: tuple[float, float, float],
 ) -> Axis | None:
+    """The lattice of an axis whose rate changes by whole parts of the input bound; None where a
+    step is no whole number of spacings."""
     change, glide, kick = step
     unit = abs(kick) if kick else abs(glide * change)
     if not np.isfinite(spans).all() or unit <= 0:
@@ -94,6 +96,7 @@ def _multiples(start: float, unit: float, span: tuple[float, float]) -> tuple[Fl
 
 
 def origins(axis: Axis, point: int, rate: int) -> list[tuple[int, int]]:
+    """(rate, point) indices one step before `point` at `rate`."""
     return [
         (one, point - shift)
         for one, to, shift in axis.moves

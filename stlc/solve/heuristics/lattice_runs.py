@@ -236,6 +236,8 @@ class _Lattice:
         raise TypeError(f"{type(node).__name__} at one step")
 
     def _predicate(self, node: Linear, level: LevelOf) -> Bools:
+        """Points (x, y) at which a predicate reaches its level, but for what lattices miss; all of
+        them where it is about more than the position."""
         value = np.full(tuple(len(a.points) for a in self.axes), node.constant)
         room = 1e-6
         for signal, weight in node.terms:
@@ -266,6 +268,8 @@ class _Lattice:
     def _before(
         self, earlier: Bools, hits: Sequence[Bools], state: tuple[int, int, int, int, int]
     ) -> tuple[int, int, int, int, int]:
+        """A state (goals met, x, rate, y, rate) one step earlier from which this one was
+        reached."""
         mask, i, a, j, b = state
         new = sum(1 << g for g, hit in enumerate(hits) if mask >> g & 1 and hit[i, j])
         for before in (m for m in range(mask, -1, -1) if m | (mask & new) == mask):

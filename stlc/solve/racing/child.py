@@ -122,6 +122,7 @@ def end_with_input() -> None:
 
 
 def _watch_input() -> None:
+    """End this process, and all that it started, when its parent has gone: end of file on input."""
     # Not sys.stdin: its lock, held by a daemon thread, would abort an interpreter that ends.
     while os.read(0, 1 << 16):
         continue

@@ -60,6 +60,7 @@ def run_remotely(racer: Racer, word: str) -> Lap:
     stop, queue = stop_event(word, client), _queue(word, client)
 
     def tell(name: str, progress: Progress) -> None:
+        """Send progress to the caller's queue."""
         queue.put(pickle.dumps((name, progress)))
 
     return race([racer], on_progress=tell, should_stop=stop.is_set).laps[0]

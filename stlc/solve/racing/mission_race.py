@@ -71,6 +71,7 @@ class MissionRace:
         self._incumbents = {r.name: self._incumbent(r) for r in self.racers}
 
         def stop() -> bool:
+            """Whether somebody has asked to stop; noted, for the end of the race."""
             self._stopped = self._stopped or should_stop()
             return self._stopped
 
@@ -85,9 +86,12 @@ class MissionRace:
         return self._finish(result, winner.name, claim, winner.finish is Finish.PROOF)
 
     def _race(self, stop: Callable[[], bool]) -> Race:
+        """Race here or on the cluster; an interruption ends it with nothing beyond what is in
+        hand."""
         from stlc.solve.racing.cluster import race_on_cluster
 
         def tell(name: str, progress: Progress) -> None:
+            """Hand progress on, and look whether to stop."""
             stop()  # somebody looks: whoever interrupts now need not break in
             self._on_progress(name, progress)
 

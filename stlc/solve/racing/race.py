@@ -100,6 +100,7 @@ def race(
     points: dict[str, Progress] = {}
 
     def report(name: str, progress: Progress) -> None:
+        """Keep a racer's latest point, and hand its progress on."""
         if progress.incumbent is not None:
             points[name] = progress
         if on_progress is not None:
@@ -207,6 +208,7 @@ def _start(racer: Racer, queue: SimpleQueue[_Message]) -> Child:
     task = Task(racer.work, racer.backend, options, racer.memory, racer.strategy)
 
     def tell(message: object | None) -> None:
+        """Put a racer's message into the queue under its name."""
         queue.put((racer.name, message))
 
     return Child("stlc.solve.racing.racer", f"racer {racer.name}", task, tell, racer.memory)

@@ -29,10 +29,12 @@ def main() -> None:
 
 
 def _answer(task: Task, output: IO[bytes]) -> object:
+    """The certified answer of a task, or the failure that its user should read."""
     from stlc.errors import StlcError
     from stlc.solve.certify import certify
 
     def report(progress: object) -> None:
+        """Write progress to the parent as it comes."""
         write_message(output, progress)
 
     options = replace(task.options, on_progress=report)

@@ -24,6 +24,8 @@ _ANY = np.array([[-np.inf, np.inf], [-np.inf, np.inf]])
 
 
 def body_of(compiled: Compiled, agent: Agent, efforts: Sequence[ObjectiveTerm]) -> Body | None:
+    """What the relaxation understands of an agent: axes, faces of its speed polygon, boxes to
+    avoid, places to be at once; None where its axes are coupled."""
     axes = [_axis(compiled, agent, efforts, d) for d in (0, 1)]
     if axes[0] is None or axes[1] is None:
         return None

@@ -70,6 +70,8 @@ def _with_costs(
     asked: Sequence[_Asked],
     channel: Channel,
 ) -> Problem:
+    """The relaxed problem over one channel's partition. Costs over other cells, and least costs of
+    agents in no pair, come in as a constant."""
     mission, partition = compiled.mission, channel.partition
     fine, owner = partition.common_grid()
     assert fine.edges is not None

@@ -64,6 +64,7 @@ class Frame:
         self.dynamics = [compiled.layout.dynamics[b.name] for b in problem.bodies]
 
     def _pair_blocks(self) -> Mapping[tuple[int, int], tuple[PairBlock, ...]]:
+        """The model's cell-pair columns by agents (numbered as bodies, in order), from receipts."""
         index = {b.name: i for i, b in enumerate(self.problem.bodies)}
         found: dict[tuple[int, int], list[PairBlock]] = {}
         for made in self.compiled.layout.pairs:
@@ -210,6 +211,7 @@ def relax(frame: Frame, reduced: Reduced, seconds: float) -> Relaxed | None:
 
 
 def _solved(model: Model, seconds: float) -> Any:
+    """HiGHS after it has solved the LP relaxation, within so many seconds."""
     import highspy
 
     from stlc.backends.highs_session import SCHEDULER, new_highs

@@ -98,6 +98,7 @@ class Session:
             return self.cutoff
 
         def take(progress: Progress) -> None:
+            """Offer an incumbent of the reduced model as a point of the whole one."""
             if progress.incumbent is not None:
                 self.offer(reduced.lift(progress.incumbent))
 

@@ -78,6 +78,8 @@ class Maker:
         return out
 
     def _layer(self, t: int, x: AxisGrid, y: AxisGrid, old: Layer | None) -> Layer:
+        """The states of step t over two axis grids: those of cells of the partition, admissible and
+        within the tubes; as children of `old`'s states where it is given."""
         x, y = (_within(g, axis.box[t]) for g, axis in zip((x, y), self.body.axes, strict=True))
         if old is None:
             grid = np.indices((len(x.box), len(y.box))).reshape(2, -1)

@@ -205,6 +205,8 @@ def _directions(body: Body) -> Floats:
 
 
 def _along(body: Body, d: Floats, steps: int) -> tuple[tuple[Floats, ...], ...]:
+    """Reach boxes (position, rate) along direction d at each step, one list for each place that the
+    body may have to pass."""
     blend = max((a.blend for a, c in zip(body.axes, d, strict=True) if c), default=0.5)
     jump = float(sum(abs(c) * a.jump for a, c in zip(body.axes, d, strict=True)))
     boxes = [_range(body, d, t) for t in range(steps + 1)]
@@ -245,6 +247,7 @@ def _span(d: Floats, box: Floats) -> tuple[float, float]:
 
 
 def _range(body: Body, d: Floats, t: int) -> Box:
+    """Bounds of position and rate along direction d at step t, speed faces included."""
     box = np.array([a.box[t] for a in body.axes])
     p, w = _span(d, box[:, :2]), _span(d, box[:, 2:])
     low, high = w
