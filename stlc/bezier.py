@@ -50,6 +50,8 @@ class Curve:
         return next((d for d in range(1, MOST_DEGREE + 1) if self._meets(d, rows)), None)
 
     def _meets(self, degree: int, rows: slice | list[int]) -> bool:
+        """Whether the series cut at this degree is near enough in these rows: by its remainder,
+        against the motion's own size."""
         if self.matrix is None:
             return True
         h, n = self.step / self.parts, self.starts.shape[1]

@@ -105,6 +105,7 @@ class ChannelTables:
         return _shaped(self.mission, values, pair)
 
     def _thresholds(self, channel: Channel, link: Link, pair: Pair) -> Thresholds:
+        """Least and greatest excess of a predicate over its threshold, for each pair of cells."""
         if link.quantity is Quantity.COST:
             low, high = self._cost_range(channel, pair)
             if link.relation is Relation.AT_LEAST:

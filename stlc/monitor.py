@@ -209,6 +209,7 @@ def _missing(recording: Recording, names: Sequence[str]) -> str:
 
 
 def _line(formula: Monitored, width: int, times: Array) -> str:
+    """One formula's verdict at the first sample, and where it first fails."""
     if not len(formula.robustness):
         return f"--  {formula.name:<{width}}  can't be judged: the recording is too short"
     holds = formula.satisfied
@@ -222,6 +223,7 @@ def _line(formula: Monitored, width: int, times: Array) -> str:
 
 
 def _as_dict(formula: Monitored, parts: bool) -> dict[str, Any]:
+    """One formula as `stlc monitor --json` prints it."""
     found: dict[str, Any] = {
         "name": formula.name,
         "margin": formula.margin,

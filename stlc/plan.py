@@ -193,6 +193,8 @@ def shifted(plan: Plan, steps: int, agents: Mapping[str, Agent]) -> Plan:
 
 
 def _advance(run: Run, steps: int, agent: Agent) -> tuple[Array, Array]:
+    """The run from `steps` on, lengthened to its old length by inputs that keep the last state as
+    nearly as bounds allow."""
     model = agent.dynamics
     states, inputs = list(run.states[steps:]), list(run.inputs[steps:])
     for _ in range(steps):

@@ -133,10 +133,12 @@ class _Place:
     value: Any
 
     def fail(self, wanted: str) -> UsageError:
+        """The error that names this place and what was expected there."""
         where = f" at {self.path.lstrip('.')}" if self.path else ""
         return UsageError(f"{self.file}: not a valid plan{where}: expected {wanted}")
 
     def has(self, key: str) -> bool:
+        """Whether it is an object with this key."""
         return isinstance(self.value, dict) and key in self.value
 
     def __getitem__(self, key: str) -> _Place:
@@ -147,21 +149,25 @@ class _Place:
         return _Place(self.file, f"{self.path}.{key}", self.value[key])
 
     def fields(self) -> dict[str, _Place]:
+        """The places of an object, by key."""
         if not isinstance(self.value, dict):
             raise self.fail("an object")
         return {key: self[key] for key in self.value}
 
     def items(self) -> list[_Place]:
+        """The places of a list."""
         if not isinstance(self.value, list):
             raise self.fail("a list")
         return [_Place(self.file, f"{self.path}[{i}]", v) for i, v in enumerate(self.value)]
 
     def text(self) -> str:
+        """A text."""
         if not isinstance(self.value, str):
             raise self.fail("a text")
         return self.value
 
     def texts(self) -> tuple[str, ...]:
+        """A list of texts."""
         return tuple(item.text() for item in self.items())
 
     def number(self) -> float:
@@ -194,6 +200,7 @@ class _Place:
 
 
 def _plan(top: _Place) -> Plan:
+    """A plan from its JSON; UsageError names the place of what is missing or of another type."""
     if not top.has("format") or top["format"].value != "stlc plan":
         raise top.fail('an object with "format": "stlc plan"')
     version = top["version"]
@@ -220,6 +227,7 @@ def _plan(top: _Place) -> Plan:
 
 
 def _read_run(place: _Place, horizon: int) -> Run:
+    """One agent's run; arrays have the shapes that horizon and names ask for."""
     states, inputs = place["state_names"].texts(), place["input_names"].texts()
     units = place["state_units"].texts(), place["input_units"].texts()
     for names, of, key in ((states, units[0], "state_units"), (inputs, units[1], "input_units")):

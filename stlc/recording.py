@@ -122,6 +122,8 @@ def _rows_of(table: _Table, agent: str, column: int) -> _Table:
 
 
 def _table(name: str) -> _Table:
+    """Header and rows of a CSV file, separated by whatever its header has most of; UsageError with
+    the line."""
     lines = [(k, x) for k, x in enumerate(_text(name).splitlines(), 1) if x.strip()]
     lines = [(k, x) for k, x in lines if not x.lstrip().startswith("#")]
     if len(lines) < 2:

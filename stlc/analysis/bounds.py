@@ -63,6 +63,7 @@ def _bounds(
     scales: Mapping[str, float],
     links: LinkBounds,
 ) -> Interval:
+    """Interval of a node's robustness from those of its children in `found`."""
     match node:
         case Const(value=value):
             return (math.inf, math.inf) if value else (-math.inf, -math.inf)

@@ -63,6 +63,7 @@ def check_held(
 
 
 def _diagnostic(agent: Agent, step: int, index: int, reached: Floats) -> LostRange:
+    """The error that names the state's greatest value and how far apart doubles lie there."""
     sizes = np.where(np.isnan(reached[:, index]), np.inf, reached[:, index])
     value = float(sizes[np.abs(sizes).argmax()])
     return LostRange(

@@ -76,6 +76,7 @@ def _clip(lower: Floats, upper: Floats, bound: NormBound) -> None:
 
 
 def _clip_workspace(box: Box, workspace: Polytope | None) -> None:
+    """Keep coordinates within the workspace's bounding box, where one state alone makes an axis."""
     position = box.agent.dynamics.position
     if workspace is None or position is None:
         return
@@ -91,6 +92,7 @@ def _clip_workspace(box: Box, workspace: Polytope | None) -> None:
 
 
 def _forward(box: Box) -> None:
+    """Narrow the states by x_t = A^t x_0 + sum_k A^k (B u + drift), u within its box."""
     dynamics = box.agent.dynamics
     power = np.eye(len(dynamics.A))
     centre = box.agent.start.astype(float)
@@ -124,6 +126,7 @@ def _meet(box: Box, step: int, low: Floats, high: Floats) -> None:
 
 
 def finite_size(values: Floats) -> Floats:
+    """Absolute values, 0 for what is infinite or NaN: what a rounding error is measured by."""
     return np.where(np.isfinite(values), np.abs(values), 0.0)
 
 

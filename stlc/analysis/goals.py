@@ -93,6 +93,8 @@ def _goal(
     links: LinkBounds,
     earlier: float | None,
 ) -> Goal:
+    """One robustness column: from the least margin it is about to the static bound, or an earlier
+    pass's if that is lower."""
     meant = [r for r in requirements if name in (None, r.name)]
     bounds = static_bounds([r.formula for r in meant], ranges, dict(scales), links)
     high = min([bounds[r.formula][1] for r in meant], default=math.inf)

@@ -57,6 +57,7 @@ class LinkTables:
         return float(seen.min()), float(seen.max())
 
     def _cells(self, link: Link, ranges: Mapping[str, Ranges]) -> list[Ints]:
+        """Cells in reach of each moving end at the link's step, sender first."""
         partition = self.mission.channels[link.channel].partition
         moving = [n for n in (link.sender, link.receiver) if n in self.mission.agents]
         return [

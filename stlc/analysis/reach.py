@@ -117,6 +117,7 @@ def _apply(boxes: Mapping[str, Box], predicate: Linear, level: float) -> None:
 
 
 def _check(box: Box, why: str) -> None:
+    """InfeasibleError where an interval is empty by more than a solver's tolerance."""
     gap = box.x_lower - box.x_upper - ROUNDING * finite_size(box.x_lower)
     if gap.size and gap.max() > 1e-6:
         step, index = np.unravel_index(int(gap.argmax()), gap.shape)

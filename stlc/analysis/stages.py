@@ -163,6 +163,7 @@ def _is_stage(node: Node) -> bool:
 def _stages(
     agent: Agent, ranges: Ranges, chosen: Mapping[tuple[str, int], tuple[Or, LevelOf]]
 ) -> list[Stage]:
+    """An agent's boxes at each step: its range, or one for each alternative chosen there."""
     found: list[Stage] = []
     for t, (low, high) in enumerate(zip(ranges.state_lower, ranges.state_upper, strict=True)):
         if (agent.name, t) not in chosen:
@@ -192,6 +193,7 @@ def _input_interval(agent: Agent, ranges: Ranges, t: int) -> tuple[Floats, Float
 
 
 def _step(agent: Agent, ranges: Ranges, stages: Sequence[Stage], t: int) -> Bools:
+    """Which pairs of boxes (k, l) of steps t and t + 1 a run can take; narrows those of t + 1."""
     here, there = stages[t], stages[t + 1]
     plus, minus = np.maximum(agent.dynamics.A, 0), np.minimum(agent.dynamics.A, 0)
     least, most = _input_interval(agent, ranges, t)

@@ -106,22 +106,27 @@ class _Reader:
     _ahead: str | None = field(default=None)
 
     def error(self, message: str) -> UsageError:
+        """An error at the present place of the line."""
         return UsageError(f"line {self.number_of_line}, column {self.place + 1}: {message}")
 
     def done(self) -> bool:
+        """Whether nothing is left on the line."""
         return not self.line[self.place :].strip()
 
     def end(self) -> None:
+        """UsageError unless the line is used up."""
         if not self.done():
             raise self.error("unexpected text after the end")
 
     def peek(self) -> str:
+        """The next token, left where it is."""
         found = _TOKEN.match(self.line, self.place)
         if found is None:
             raise self.error("unexpected end" if self.done() else "unexpected character")
         return found.group(0).strip()
 
     def pop(self) -> str:
+        """The next token, consumed."""
         token = self.peek()
         found = _TOKEN.match(self.line, self.place)
         assert found is not None
@@ -129,18 +134,21 @@ class _Reader:
         return token
 
     def take(self, wanted: str) -> None:
+        """Consume a token that has to come next."""
         token = self.peek()
         if token != wanted:
             raise self.error(f"expected {wanted!r}, not {token!r}")
         self.pop()
 
     def skip(self, wanted: str) -> bool:
+        """Consume a token if it comes next; whether it did."""
         if self.done() or self.peek() != wanted:
             return False
         self.pop()
         return True
 
     def number(self) -> float:
+        """A number, `inf` among them."""
         token = self.pop()
         try:
             return float(token)
@@ -148,9 +156,11 @@ class _Reader:
             raise self.error(f"expected a number, not {token!r}") from None
 
     def name(self) -> str:
+        """A name, without the quotes that it may stand in."""
         return self.pop().strip('"')
 
     def requirement(self) -> Requirement:
+        """`require NAME >= MARGIN : NODE`."""
         self.take("require")
         name = self.name()
         self.take(">=")
@@ -159,6 +169,7 @@ class _Reader:
         return Requirement(name, self.node(), margin)
 
     def node(self) -> Node:
+        """Any formula; `%k` is one that an earlier line has defined."""
         token = self.pop()
         if token in ("true", "false"):
             return Const(token == "true")
@@ -177,6 +188,7 @@ class _Reader:
         raise self.error(f"expected a formula, not {token!r}")
 
     def arguments(self) -> list[Node]:
+        """`(NODE, NODE, ...)`."""
         self.take("(")
         found: list[Node] = []
         while not self.skip(")"):
@@ -186,6 +198,7 @@ class _Reader:
         return found
 
     def fixed(self, word: str) -> Node:
+        """An operator of so many arguments, with its window if it is temporal."""
         count, build = _FIXED[word]
         window = self.window() if word in _TEMPORAL else ()
         args = self.arguments()
@@ -194,6 +207,7 @@ class _Reader:
         return build(*args, *window)
 
     def window(self) -> tuple[int, int | None]:
+        """`[a,b]`; b may be `inf`."""
         self.take("[")
         start = int(self.number())
         self.take(",")
@@ -202,6 +216,7 @@ class _Reader:
         return start, None if end == float("inf") else int(end)
 
     def linear(self) -> Linear:
+        """`c*SIGNAL + ... + CONSTANT]`, a unit after the constant if it has one."""
         terms: list[tuple[Signal, float]] = []
         value = self.number()
         while self.skip("*"):
@@ -216,6 +231,7 @@ class _Reader:
         return Linear(tuple(terms), value, unit.group(1).strip())
 
     def signal(self) -> Signal:
+        """`owner.role.index@shift`."""
         owner = self.name()
         self.take(".")
         role = self.pop()
@@ -226,9 +242,11 @@ class _Reader:
         return Signal(owner, Role(role), index, self.shift())
 
     def shift(self) -> int:
+        """`@k`, 0 where it is left out."""
         return int(self.number()) if self.skip("@") else 0
 
     def link(self) -> Link:
+        """`(channel quantity(sender, receiver) relation threshold ...)`."""
         self.take("(")
         channel = self.name()
         quantity = Quantity(self.name())

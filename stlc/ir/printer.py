@@ -69,6 +69,8 @@ def print_node(root: Node) -> str:
 
 
 def _texts(roots: Sequence[Node], lines: list[str]) -> dict[Node, str]:
+    """Text of each node; those used twice, or long ones, get a line `%k = ...` in `lines` and a
+    name."""
     order = list(postorder(roots))
     parents = Counter(child for node in order for child in node.children)
     texts: dict[Node, str] = {}
@@ -85,6 +87,7 @@ def _texts(roots: Sequence[Node], lines: list[str]) -> dict[Node, str]:
 
 
 def _text(node: Node, texts: dict[Node, str]) -> str:
+    """One node over the texts of its children."""
     match node:
         case Const(value):
             return "true" if value else "false"

@@ -158,6 +158,7 @@ def _add_requirements(
     tables: LinkTables,
     options: CompileOptions,
 ) -> tuple[str, ...]:
+    """Encode every requirement, note its receipt; how many choices were encoded how, and why."""
     encoder = FormulaEncoder(
         ctx, rho, LinkEncoder(ctx, tables, rho, options.link), selector_named(options.stl)
     )

@@ -84,6 +84,7 @@ def _add_effort(ctx: Context, term: ObjectiveTerm, tables: LinkTables) -> None:
 
 
 def _agent_entries(ctx: Context, agent: Agent, first: int, last: int) -> list[_Entries]:
+    """Columns of an agent's states and inputs in a window, with weights and ranges."""
     r = ctx.ranges[agent.name]
     states = slice(max(first, 1), last + 1)
     inputs = slice(first, min(last, ctx.mission.horizon - 1) + 1)
@@ -125,6 +126,7 @@ def _add_absolute(ctx: Context, part: _Entries, weight: float) -> Ints:
 def _add_link_cost(
     ctx: Context, term: ObjectiveTerm, tables: LinkTables, encoding: str
 ) -> Sequence[str]:
+    """Add a term's link cost for each of its pairs; a note of the encoding chosen for each."""
     from stlc.milp.tables import add_link_cost
 
     assert term.channel is not None, "semantic analysis names the channel of every link cost"

@@ -36,6 +36,7 @@ def add_workspace(ctx: Context, agent: Agent) -> None:
 
 
 def _at_samples(ctx: Context, agent: Agent, workspace: Polytope, position: Floats) -> None:
+    """Rows that keep the position at each step inside every face that its range crosses."""
     ranges, x = ctx.ranges[agent.name], ctx.states[agent.name]
     for normal, offset in zip(workspace.normals, workspace.offsets, strict=True):
         low, high = ranges.position_lower, ranges.position_upper
@@ -65,6 +66,8 @@ def _between(agent: Agent, position: Floats, step: float) -> Iterator[Floats]:
 
 
 def _at_point(ctx: Context, agent: Agent, workspace: Polytope, point: Floats) -> None:
+    """The same for a point (2, n + m + 1) of the motion within each step, linear in state and
+    input."""
     ranges, name = ctx.ranges[agent.name], agent.name
     columns = np.hstack([ctx.states[name][:-1], ctx.inputs[name]])
     rows, rest = (workspace.normals @ point)[:, :-1], workspace.normals @ point[:, -1]

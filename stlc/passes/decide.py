@@ -66,6 +66,7 @@ def _asserted(root: Node) -> list[Linear]:
 
 
 def _decide(program: Program) -> Program:
+    """One round over the present ranges; Unreachable where a requirement has become false."""
     links = program.link_bounds
     goals = program.known_goals()
     bounds = static_bounds(program.formulas, program.ranges, None, links)
@@ -86,6 +87,7 @@ def _decided(
     bounds: Mapping[Node, Interval],
     known: dict[Node, Node],
 ) -> Node:
+    """A requirement's formula with true and false in place of what the bounds decide."""
     done: dict[Node, Node] = {}
     for node in postorder([requirement.formula]):
         low, high = bounds[node]

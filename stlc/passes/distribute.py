@@ -40,6 +40,7 @@ def run(program: Program) -> Program:
 
 
 def _rebuilt(formula: Node, margin: float) -> Node:
+    """A conjunction with its clauses about one place multiplied out."""
     if not isinstance(formula, And):
         return formula
     groups: dict[_Place, list[Node]] = {}
@@ -71,6 +72,8 @@ def _place(node: Node) -> _Place | None:
 
 
 def _multiplied(group: Sequence[Node], margin: float) -> list[Node]:
+    """Clauses of one place as fewer disjunctions of boxes: a product is kept where it isn't longer
+    than its clauses together."""
     if len(group) == 1:
         return list(group)
     clauses = sorted((_terms(node) for node in group), key=len)

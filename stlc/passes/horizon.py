@@ -56,6 +56,8 @@ def last_steps(roots: tuple[Node, ...], horizon: int) -> dict[Node, int]:
 
 
 def _last(node: Node, last: dict[Node, int], horizon: int) -> int:
+    """The last step at which a node can be judged, from those of its children; negative where there
+    is none."""
     match node:
         case Const():
             return horizon

@@ -46,6 +46,7 @@ def _nested(node: Always | Eventually) -> Node:
 
 
 def _joined(node: And | Or, kind: type[Always] | type[Eventually]) -> Node:
+    """Arguments whose windows touch or overlap, and whose formulas are equal, as one."""
     kept: list[Node] = []
     for arg in node.args:
         place = next((k for k, other in enumerate(kept) if _touch(other, arg, kind)), None)

@@ -43,6 +43,7 @@ def run(program: Program) -> Program:
 
 
 def _normalise(root: Node, done: dict[_Key, Node]) -> Node:
+    """Normal form of a formula by (node, polarity), children first and without recursion."""
     todo: list[tuple[Node, bool]] = [(root, True)]
     while todo:
         key = todo[-1]
@@ -67,6 +68,7 @@ def _needs(node: Node, positive: bool) -> list[_Key]:
 
 
 def _build(node: Node, positive: bool, done: dict[_Key, Node]) -> Node:
+    """Normal form of a node, or of its negation, over those of its children in `done`."""
     span = node.span
     match node:
         case Const() | Linear() | Link():

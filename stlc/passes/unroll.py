@@ -52,6 +52,7 @@ def run(program: Program) -> Program:
 
 
 def _needed_steps(roots: tuple[Node, ...]) -> dict[Node, set[int]]:
+    """The steps at which each node's value is asked for, from the roots at step 0 downwards."""
     steps: dict[Node, set[int]] = defaultdict(set)
     for root in roots:
         steps[root].add(0)
@@ -88,6 +89,7 @@ class _Unroller:
     windows: dict[tuple[object, ...], Node] = field(default_factory=dict)
 
     def share(self, node: Node) -> Node:
+        """The node equal to this one that was made first."""
         return self.known.setdefault(node, node)
 
     def unroll(self, node: Node, step: int, uses: int) -> Node:
@@ -112,6 +114,8 @@ class _Unroller:
     def window(
         self, kind: type[And] | type[Or], node: Node, arg: Node, first: int, last: int, uses: int
     ) -> Node:
+        """`arg` joined over the steps first..last; by two overlapping blocks of a power of two
+        where several windows can share them."""
         width = last - first + 1
         if uses == 1 or width <= _DIRECT:
             parts = tuple(self.done[arg, t] for t in range(first, last + 1))
@@ -125,6 +129,7 @@ class _Unroller:
     def block(
         self, kind: type[And] | type[Or], node: Node, arg: Node, first: int, size: int
     ) -> Node:
+        """`arg` joined over `size` steps, a power of two, from halves that are shared."""
         if size == 1:
             return self.done[arg, first]
         key = (kind, arg, first, size)
@@ -135,6 +140,8 @@ class _Unroller:
         return self.windows[key]
 
     def until(self, node: Until | Release, step: int, uses: int) -> Node:
+        """An until or release at a step: a choice for each witness, or by doubling where it is
+        asked for often."""
         outer, inner = (Or, And) if isinstance(node, Until) else (And, Or)
         first, last = step + node.start, step + _end(node)
         width = last - first + 1
@@ -166,6 +173,8 @@ class _Unroller:
         first: int,
         width: int,
     ) -> Node:
+        """An until over `width` witnesses from `first` on: in the earlier half, or held through it
+        and in the later."""
         if width == 1:
             pair = (self.done[node.left, first], self.done[node.right, first])
             return self.share(inner(pair, span=node.span))
@@ -181,6 +190,7 @@ class _Unroller:
 
 
 def _moved(node: Linear | Link | Not, step: int) -> Node:
+    """A predicate judged `step` steps later."""
     if step == 0:
         return node
     match node:

@@ -63,6 +63,7 @@ def link_cost(cost: CostName, mean: Array, sigma: Array, budget: LinkBudget) -> 
 
 
 def _raw_cost(cost: CostName, mean: Array, sigma: Array, budget: LinkBudget) -> Array:
+    """Expected cost of a link at mean and sigma [dB], before it is cut at the ceiling."""
     match cost:
         case CostName.INV_SNR:
             scale = log(10.0) / 10.0
@@ -128,6 +129,7 @@ def _highest(
     sigma: tuple[Array, Array],
     budget: LinkBudget,
 ) -> Array:
+    """Upper bound of a cost over intervals of mean and sigma [dB], by what it grows with."""
     match cost:
         case CostName.INV_SNR | CostName.NEG_RSSI:
             return _raw_cost(cost, mean[0], sigma[1], budget)

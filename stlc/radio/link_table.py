@@ -37,6 +37,7 @@ def read_table(path: str | Path, name: str | None = None) -> Array:
 
 
 def _read_npz(path: Path, name: str | None) -> Array:
+    """One array of an archive, finite numbers in one or two axes; DataError otherwise."""
     where = DataLocation(str(path))
     data = read_content(path)
     if data[:6] == b"\x93NUMPY":

@@ -105,6 +105,7 @@ def required_ebn0_db(modulation: Modulation, ber: float) -> float:
         raise RadioError(f"a bit error rate threshold lies strictly between 0 and 0.5, not {ber}")
 
     def excess(level: float) -> float:
+        """log BER at a level [dB] less the one wanted; falls with the level."""
         value = float(bit_error_rate(modulation, np.array([10.0 ** (level / 10.0)]))[0])
         return log(max(value, 1e-300)) - log(ber)
 

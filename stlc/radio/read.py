@@ -196,6 +196,7 @@ def _assemble(
     labels: tuple[NDArray[np.intp], tuple[str, ...]],
     options: SampleOptions,
 ) -> Samples:
+    """Samples from the file's columns; ends without a height get that of the options."""
     count = len(values["rssi"])
     axes = ("x", "y", "z") if "tx_z" in values or "rx_z" in values else ("x", "y")
     flat = np.full(count, options.height)

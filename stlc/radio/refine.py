@@ -28,6 +28,8 @@ def variation_score(
     """
 
     def score(partition: Partition) -> Array:
+        """For each cell, the greatest spread of the mean [dB] over its links, those that straddle
+        the threshold alone where there is one."""
         cells, _ = LinkEnds(partition).boxes()
         points = partition.centres if second is None else np.atleast_2d(second)
         ends = type(cells)(points, np.zeros_like(points))

@@ -223,6 +223,7 @@ def _draw_map(axes: Axes, summary: FitSummary) -> None:
 
 
 def _draw_residuals(axes: Axes, summary: FitSummary) -> None:
+    """Measured less forecast over distance, by path loss alone and by the whole channel."""
     from matplotlib.ticker import LogFormatter
 
     tested = summary.tested.take(~summary.tested.censored)
@@ -261,6 +262,7 @@ def empirical_variogram(
 
 
 def _draw_variogram(axes: Axes, summary: FitSummary) -> None:
+    """Half the mean squared difference of links over their distance, and the fitted curve."""
     lag, value = empirical_variogram(summary)
     model = summary.fit.model
     axes.plot(lag, value, "o", label="samples")

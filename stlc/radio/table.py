@@ -187,6 +187,7 @@ def cost_table(
     notes: set[str] = set()
 
     def evaluate(mean: Array, sigma: Array) -> Array:
+        """Costs at mean and sigma [dB]; what is to be said of them is noted."""
         got = link_cost(cost, mean, sigma, budget)
         notes.update(got.notes)
         return got.values
@@ -243,6 +244,8 @@ def _evaluate_pairs(
     ends: LinkEnds,
     evaluate: Callable[[Array, Array], Array],
 ) -> Array:
+    """A function of mean and sigma for each pair of points of a and b, (len(a), len(b)); the mean
+    of both directions where ends are alike."""
     mean, variance = predict_pairs(model, a, b, True, ends.receiver)
     values = evaluate(mean, np.sqrt(variance))
     same = ends.symmetric and a.shape == b.shape

@@ -92,10 +92,12 @@ class Ends:
     factors: Array
 
     def take(self, rows: NDArray[np.intp]) -> Ends:
+        """Some of the rows."""
         return Ends(self.boxes.take(rows), self.factors[rows])
 
 
 def prepare_ends(field: PairField, boxes: Boxes, other: bool) -> Ends:
+    """Boxes with the field's factors at their centres, in the other end's order for `other`."""
     factors = field.factors(boxes.centre)
     return Ends(boxes, swap_halves(factors) if other else factors)
 

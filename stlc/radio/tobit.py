@@ -48,6 +48,8 @@ def regress(features: Array, rssi: Array, floor: Array, censored: Bools) -> Regr
         return Regression(np.asarray(start), variance, float(likelihood))
 
     def objective(point: Array) -> tuple[float, Array]:
+        """Negative log likelihood of (coefficients, log sigma) under censoring, and its
+        gradient."""
         sigma = np.exp(point[-1])
         level = np.where(seen, rssi, floor)
         t = (level - features @ point[:-1]) / sigma

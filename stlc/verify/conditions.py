@@ -53,6 +53,8 @@ class Motions:
         return np.asarray((found.value - worst).reshape(-1, self.pieces).min(axis=1))
 
     def _forms(self, leaves: list[Linear], steps: slice) -> Forms:
+        """Coefficients c0, c1, c2 and error (pieces, leaves) of each predicate as a quadratic of
+        time over every piece of these steps."""
         rows = (steps.stop - steps.start) * self.pieces
         out = tuple(np.zeros((rows, len(leaves))) for _ in range(4))
         for k, leaf in enumerate(leaves):

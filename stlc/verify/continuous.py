@@ -58,6 +58,8 @@ def inside(path: Path, frames: Sequence[Sequence[Polytope]]) -> Extremum:
         sizes = np.cumsum([len(piece.offsets) for piece in pieces])[:-1]
 
         def best_piece(q: Array, sizes: NDArray[np.intp] = sizes) -> Array:
+            """Slack within the piece that has most of it: the least over a piece's faces, the
+            greatest over pieces."""
             parts = [part.min(axis=-1) for part in np.split(q, sizes, axis=-1)]
             return np.asarray(np.max(parts, axis=0), dtype=np.float64)
 
@@ -145,6 +147,8 @@ def extremum(q0: Array, q1: Array, q2: Array, combine: Combine) -> Extremum:
 
 
 def _extremum_block(q0: Array, q1: Array, q2: Array, combine: Combine) -> tuple[Array, Array]:
+    """Least value and its time (each (rows,)) of `combine` over quadratics q0 + q1 s + q2 s^2, s in
+    [0, 1]: it lies at an end, a vertex or a crossing of two of them."""
     pairs = np.array(list(combinations(range(q0.shape[1]), 2)), dtype=np.intp).reshape(-1, 2)
     i, j = pairs.T
     ends = np.tile([0.0, 1.0], (len(q0), 1))

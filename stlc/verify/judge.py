@@ -80,6 +80,7 @@ def _residual(mission: Mission, plan: Plan) -> float:
 
 
 def _notes(subject: Subject, motion: Mapping[str, Path]) -> Iterator[str]:
+    """What a reader should know of how the plan was judged."""
     if stale(subject.mission, subject.plan):
         yield "the mission's text has changed since the plan was made"
     yield from norm_notes(subject)

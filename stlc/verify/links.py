@@ -151,6 +151,8 @@ def _costs(mission: Mission, channel: Channel, pair: Pair) -> bool:
 
 
 def _signal(channel: Channel, pair: Pair, true: TrueModel) -> dict[str, Array]:
+    """What is known of a link at the true positions, at each step: distance [m], mean and sigma
+    [dB], and what the budget makes of them."""
     places = true.subject.positions
     if channel.model is None:
         return {"distance": np.linalg.norm(places[pair[0]] - places[pair[1]], axis=1)}

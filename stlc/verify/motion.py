@@ -67,6 +67,7 @@ def _dynamics(agent: Agent, run: Run) -> Iterator[Violation]:
     names = agent.dynamics.states
 
     def describe(step: int, column: int) -> str:
+        """How far a state is off its dynamics."""
         return f"{names[column]} doesn't follow from its dynamics (off by {gap[step, column]:.3g})"
 
     yield from _worst(gap, _slack(run.states[1:]), "dynamics", agent, describe, 1)
@@ -76,6 +77,7 @@ def _start(agent: Agent, run: Run) -> Iterator[Violation]:
     gap = np.abs(run.states[:1] - agent.start)
 
     def describe(step: int, column: int) -> str:
+        """Where a state starts, and where it should."""
         name, want = agent.dynamics.states[column], agent.start[column]
         return f"{name} is {run.states[0, column]:.6g}, the mission starts it at {want:.6g}"
 
@@ -83,6 +85,7 @@ def _start(agent: Agent, run: Run) -> Iterator[Violation]:
 
 
 def _bounds(agent: Agent, run: Run) -> Iterator[Violation]:
+    """States and inputs beyond their bounds, the worst of each bound."""
     boxes = (
         ("state bound", run.states, agent.state_lower, agent.state_upper, run.state_names),
         ("input bound", run.inputs, agent.input_lower, agent.input_upper, run.input_names),
@@ -94,6 +97,7 @@ def _bounds(agent: Agent, run: Run) -> Iterator[Violation]:
                 step: int, column: int, values: Array = values, limit: Array = limit,
                 names: tuple[str, ...] = names, word: str = word,
             ) -> str:  # fmt: skip
+                """Which value is beyond which bound."""
                 value = values[step, column]
                 return f"{names[column]} = {value:.6g} is {word} its bound {limit[column]:.6g}"
 
@@ -107,6 +111,7 @@ def _integers(agent: Agent, run: Run) -> Iterator[Violation]:
         return
 
     def describe(step: int, column: int) -> str:
+        """Which input is no integer."""
         return f"{run.input_names[column]} = {run.inputs[step, column]:.9g} is not an integer"
 
     off = np.abs(run.inputs - np.rint(run.inputs))
@@ -116,11 +121,13 @@ def _integers(agent: Agent, run: Run) -> Iterator[Violation]:
 def _norm(
     agent: Agent, bound: NormBound, values: Array, names: tuple[str, ...], first: int
 ) -> Iterator[Violation]:
+    """Norms above their limits, by the polygon where the mission asks for the outer one."""
     size = norm_measure(bound, values)
     label = " and ".join(names[i] for i in bound.indices)
     shape = "norm" if bound.kind is PolygonKind.INSCRIBED else f"{bound.sides}-sided polygon"
 
     def describe(step: int, column: int) -> str:
+        """Which norm is above which limit."""
         return f"the {shape} of {label} is {size[step]:.6g}, above its limit {bound.limit:.6g}"
 
     excess = (size - bound.limit)[:, None]
@@ -165,6 +172,7 @@ def _turn_rate(agent: Agent, run: Run) -> Iterator[Violation]:
         excess = np.where(speed <= rate.rest_speed + TOLERANCE, -np.inf, excess)
 
     def describe(step: int, column: int) -> str:
+        """How sharp the turn is, and what the speed allows."""
         allowed = rate.u_max / rate.v_max * speed[step]
         return f"|u| = {force[step]:.6g} turns too sharply at speed {speed[step]:.6g} " + (
             f"(at most {allowed:.6g})"

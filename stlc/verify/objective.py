@@ -30,6 +30,7 @@ def total(terms: Sequence[TermReport]) -> tuple[float, float] | None:
 
 
 def _term(subject: Subject, term: ObjectiveTerm, cells: CellModel, trace: Trace) -> TermReport:
+    """A term's value: an interval where the polygon, tied cells or lengths leave one."""
     match term.kind:
         case TermKind.EFFORT:
             low = high = _effort(subject, term)

@@ -183,6 +183,7 @@ def _verdict(report: Report) -> str:
 
 
 def _requirement_lines(requirements: tuple[RequirementReport, ...]) -> list[str]:
+    """A line for each requirement: verdict, robustness, critical step, margin."""
     if not requirements:
         return []
     width = max(len(r.name) for r in requirements)
@@ -240,6 +241,7 @@ def _violation(v: Violation) -> dict[str, Any]:
 
 
 def _requirement(r: RequirementReport) -> dict[str, Any]:
+    """A requirement as `stlc verify --json` prints it."""
     return {
         "name": r.name,
         "margin": r.margin,

@@ -49,6 +49,8 @@ def judge(
 def _report(
     requirement: Requirement, sampled: Evaluator, true: Evaluator, dense: Evaluator
 ) -> RequirementReport:
+    """One requirement judged on samples, at true positions if it has links, in continuous time if
+    it is swept in part."""
     formula = requirement.formula
     has_link = has_swept = False
     for node in walk(formula):
@@ -101,6 +103,7 @@ class SweptOverride:
         )
 
     def _clearance(self, swept: Swept) -> Array:
+        """Clearance [m] of the motion from each step to the next, (T,)."""
         match swept.motion:
             case Motion.OUTSIDE:
                 space = self._mission.workspace

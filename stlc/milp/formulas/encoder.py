@@ -63,6 +63,8 @@ class FormulaEncoder:
         return Encoded(requirement.formula, level, choices, dict(self._literals), derived)
 
     def _assert(self, root: Node) -> None:
+        """Require a formula outright: predicates become rows, disjunctions choices, without
+        literals above them."""
         todo = [root]
         while todo:
             node = todo.pop()
@@ -119,6 +121,8 @@ class FormulaEncoder:
     def _descend(
         self, z: Iterable[int], gathered: Sequence[Alternative], *, exclusive: bool
     ) -> None:
+        """Make literals z imply what their alternatives hold beside predicates. Where at most one
+        of z is 1 (`exclusive`), one row serves all that need the same node."""
         needs: dict[Node, list[int]] = {}
         for column, alternative in zip(z, gathered, strict=True):
             for node in alternative.others:
@@ -146,6 +150,7 @@ class FormulaEncoder:
         return self._literals[node]
 
     def _new_literal(self, node: Node) -> int:
+        """A column that is 1 only where the node holds to its level (the converse isn't needed)."""
         if isinstance(node, Link | Not):
             return self.links.literal(node, self.level)
         column = int(self.ctx.builder.binary("w", (1,))[0])

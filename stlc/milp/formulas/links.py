@@ -57,6 +57,8 @@ class LinkEncoder:
         return link_literal(self.ctx, channel, pair, allowed, step)
 
     def _value_rows(self, node: Link | Not, level: Level, z: int | None) -> None:
+        """Rows that keep a link's value above the robustness columns and its margin, where z is 1
+        (always, for z None)."""
         from stlc.milp.tables import link_value
 
         channel, pair, step = self._parts(node)

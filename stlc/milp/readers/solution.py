@@ -62,6 +62,7 @@ def read_solution(path: str | os.PathLike[str], names: Sequence[str]) -> Floats:
 
 
 def _lines(path: Path) -> list[Line]:
+    """The file's lines, numbered; UsageError for a file that is no text, or empty."""
     try:
         text = read_input(path).decode("utf-8-sig")
     except InputError as error:
@@ -158,6 +159,7 @@ def _find(lines: list[Line], pattern: str) -> int:
 
 
 def _cbc(lines: list[Line], names: Sequence[str]) -> Pairs:
+    """`NUMBER NAME VALUE COST`, rows left out; NoPlanError where CBC says that it found none."""
     head = lines[0].text
     if re.search(r"[Ii]nfeasible|[Uu]nbounded|no integer solution|Status unknown", head):
         raise NoPlanError(f"{lines[0].file}: CBC says '{head.strip()}'")
@@ -182,6 +184,7 @@ def _is_row(lines: list[Line], line: Line, number: str) -> bool:
 
 
 def _scip(lines: list[Line], names: Sequence[str]) -> Pairs:
+    """`NAME VALUE (obj:COST)`; NoPlanError where SCIP says that it found none."""
     if re.match(r"solution status:\s*(infeasible|unbounded|no solution)", lines[0].text):
         raise NoPlanError(f"{lines[0].file}: SCIP says '{lines[0].text.strip()}'")
     for line in lines:

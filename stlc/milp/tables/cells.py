@@ -99,6 +99,8 @@ def _seen(ctx: Context, place: Place, kind: Kind) -> Place:
 
 
 def _marginals(ctx: Context, place: Place, kind: Kind) -> tuple[Group, ...]:
+    """Groups of columns whose sums say in which cell, or part of it, an agent is: by axes, by
+    cells, or by a Gray code."""
     region = place.reach(ctx)
     everything = np.arange(len(region.cells))
     if kind is Kind.ORDERED:

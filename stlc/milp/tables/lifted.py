@@ -59,6 +59,8 @@ class Lifted:
 
 
 def _bounded(ctx: Context, link: Link, table: Floats, *, above: bool) -> Affine:
+    """A column bounded by cuts over both ends' cells instead of pair columns; `above` bounds it
+    from above too."""
     if len(link.ends) < 2:
         return pair_value(ctx, link, table, Kind.ORDERED)
     seen = link.reachable(ctx, table)

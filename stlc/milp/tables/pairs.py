@@ -35,6 +35,8 @@ def pair_columns(ctx: Context, link: Link, kind: Kind) -> Ints:
 
 
 def _pair_columns(ctx: Context, link: Link, kind: Kind) -> Ints:
+    """Columns (k_a, k_b) of a link's cell pairs, joined to the marginals of both ends; leaves the
+    receipt."""
     groups = [marginals(ctx, place, kind) for place in link.places]
     shape = link.shape(ctx)
     cols = ctx.builder.add_columns(link.name("pair"), shape, 0.0, 1.0)

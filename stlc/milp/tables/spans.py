@@ -102,6 +102,8 @@ def reach(ctx: Context, spans: Spans, agent: str, step: int) -> Reach:
 
 
 def _reach(ctx: Context, spans: Spans, agent: str, step: int) -> Reach:
+    """Cells that an agent can be in at a step, as index boxes over edges drawn in to its range.
+    TableError where there is none."""
     ranges = ctx.ranges[agent]
     low, high = ranges.position_lower[step], ranges.position_upper[step]
     bounds = [_touched(spans.edges[k], low[k], high[k]) for k in range(2)]

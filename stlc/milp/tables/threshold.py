@@ -50,6 +50,8 @@ def literal(ctx: Context, link: Link, allowed: Bools) -> int:
 
 
 def _literal(ctx: Context, link: Link, allowed: Bools) -> int:
+    """A column that is 1 only in `allowed` cell pairs (n, n): a constant, by boxes, or by pair
+    columns."""
     seen = link.reachable(ctx, allowed)
     column = _column(ctx, link, float(seen.any()))
     if seen.all() or not seen.any():

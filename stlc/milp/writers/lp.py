@@ -48,6 +48,7 @@ def _objective(form: FileForm) -> bytes:
 
 
 def _rows(form: FileForm) -> Iterator[bytes]:
+    """Lines of all rows, a chunk at a time."""
     A = form.A
     side = np.where(np.isfinite(form.row_lower), form.row_lower, form.row_upper)
     sense = np.where(np.isfinite(form.row_lower), b" >= ", b" <= ").astype("S4")
@@ -99,6 +100,7 @@ def _block(
 
 
 def _bounds(form: FileForm) -> Iterator[bytes]:
+    """Lines of all bounds: fixed, free, or both ends, infinite ones spelt out."""
     low, high = form.col_lower, form.col_upper
     below, above = np.isfinite(low), np.isfinite(high)
     first = number_texts(np.where(below, low, 0.0)).astype("S25")

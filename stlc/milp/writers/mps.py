@@ -55,6 +55,7 @@ def _kinds(form: FileForm) -> Texts:
 
 
 def _columns(form: FileForm) -> Iterator[bytes]:
+    """Lines of all entries by column, runs of integers between their markers, a chunk at a time."""
     starts, row, column, value = _entries(form)
     names = np.concatenate([np.array([_COST], dtype=bytes), form.rows])
     edges = np.flatnonzero(np.diff(form.integer.astype(np.int8), prepend=0, append=0))

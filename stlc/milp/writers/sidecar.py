@@ -39,6 +39,7 @@ def sidecar_json(model: Model) -> str:
 
 
 def _blocks(blocks: Sequence[Block], letter: str) -> list[dict[str, Any]]:
+    """What the names with each prefix are: the block's name, shape and origin."""
     prefixes = safe_prefixes(blocks, letter)
     return [
         {
