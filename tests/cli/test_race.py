@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
-import time
 from pathlib import Path
 
 import pytest
 from support.cluster import cluster
 from support.command import CONFLICT, LIMIT, MISSION, long_mission, start
 from support.command import inside as stlc
-from support.events import wait_for
+from support.events import wait_for, wait_for_file
 
 from stlc.api import load
 from stlc.plan import read_plan
@@ -90,11 +90,17 @@ def test_a_killed_race_leaves_what_it_saved(tmp_path: Path) -> None:
     assert _verified(tmp_path) <= seen + 1e-9
 
 
-def test_an_interrupt_with_nothing_in_hand(tmp_path: Path) -> None:
-    words = ("race", long_mission(tmp_path), "--with", "pulp:auto", *LONG)
-    process = start(*words, folder=tmp_path)
-    wait_for(process, "status")
-    time.sleep(0.5)
+def test_an_interrupt_with_nothing_in_hand(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the midst of a solver that never ends; no strategy has anything to say before it."""
+    sleeper = tmp_path / "cplex"
+    sleeper.write_text(f"#!/bin/sh\n: > {tmp_path}/asleep\nexec sleep {LIMIT:.0f}\n")
+    sleeper.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    (tmp_path / "m.stl").write_text(MISSION)
+    process = start("race", "m.stl", "--with", "external-cplex:auto", *LONG, folder=tmp_path)
+    wait_for_file(process, tmp_path / "asleep")
     process.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=LIMIT)
     assert process.returncode == 130, err
