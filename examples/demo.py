@@ -59,7 +59,7 @@ def paper(out: Path) -> bool:
 
 
 def flat(out: Path) -> bool:
-    """The flat: plans with and without the radio requirement, both judged with it."""
+    """The flat: the plan found without the radio requirement violates it."""
     file = HERE / "ble_apartment.stl"
     print(f"\n{file.name}: a robot in a real flat, channel fitted to measured samples")
     forecast(HERE / "data" / "ble_apartment", out)
@@ -69,10 +69,8 @@ def flat(out: Path) -> bool:
     print("  the plan that ignores the radio, judged with it:")
     for violation in judged.violations:
         print(f"    violated: {violation}")
-    if judged.ok:  # one of several optima, and solvers differ in which they find
-        print("    it happens to keep the requirement")
     near_path(aware.plan.runs["robot"].states[:, :2], HERE / "data" / "ble_apartment")
-    return aware.report.ok and silent.report.ok
+    return aware.report.ok and silent.report.ok and not judged.ok
 
 
 def forecast(data: Path, out: Path) -> None:

@@ -25,7 +25,7 @@ def test_cbc_starts_from_the_point(binary: str, tmp_path: Path) -> None:
     options = SolveOptions(time_limit=2.0, start=start)
     files = Files.inside(tmp_path)
     _write(HARD, files, options)
-    log = run([binary, *TEMPLATES["cbc"].arguments(files, options, ())], options, str(tmp_path))
+    log = run([binary, *TEMPLATES["cbc"].arguments(files, options, ())], options, tmp_path)
     assert "MIPStart provided solution with cost" in log
     found = certify(HARD, external("cbc", binary).solve(HARD, options), options=options)
     assert found.objective is not None

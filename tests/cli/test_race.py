@@ -90,9 +90,7 @@ def test_a_killed_race_leaves_what_it_saved(tmp_path: Path) -> None:
     assert _verified(tmp_path) <= seen + 1e-9
 
 
-def test_an_interrupt_with_nothing_in_hand(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_interrupt_with_nothing_in_hand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """In the midst of a solver that never ends; no strategy has anything to say before it."""
     sleeper = tmp_path / "cplex"
     sleeper.write_text(f"#!/bin/sh\n: > {tmp_path}/asleep\nexec sleep {LIMIT:.0f}\n")
