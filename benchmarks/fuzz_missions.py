@@ -5,7 +5,7 @@
 Missions of the examples, the documentation, the benchmarks and the tests are changed in their
 tokens, numbers, units, shapes, windows and data files. Every input is checked; of those without
 errors all are compiled (of the benchmarks' and examples' own one in four), and those that give at
-most 600 columns are solved with a limit of 5 s. Every tenth input is a random scene beside an
+most 600 columns are solved with a limit of 5 s. Every hundredth input is a random scene beside an
 equivalent one (moved, scaled, mirrored, cut up, its rings turned), and a quarter of the solved
 mutants have a twin in another order or with other names: verdicts and optima must agree.
 
