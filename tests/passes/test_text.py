@@ -49,6 +49,15 @@ def needed(name: str) -> list[str]:
     return [p.name for p in PIPELINE if p.name in found]
 
 
+TWICE = f"and(always[0,1]({P}), eventually[0,1](always[0,1]({P})))"
+RIGHT = "and([1*a.state.0@3 + -2], [-1*a.state.0@3 + 3])"
+LEFT = "and([-1*a.state.0@3 + -2], [1*a.state.0@3 + 3])"
+FAR = (
+    "or(and([-1*a.state.0@4 + -3], [1*a.state.1@4 + 2]), "
+    "and([-1*a.state.0@4 + -4], [-1*a.state.1@4 + -2]))"
+)  # out of reach from RIGHT
+LATE = "or([-1*a.input.0@1 + 0], [1*a.state.1@2 + -1])"  # its second half is, from LEFT
+
 CASES = [
     ("nnf", f"not(and({P}, {Q}))", "or([-1*a.state.0 + 1], [1*a.state.0 + -2])"),
     ("nnf", f"not(always[0,2]({P}))", "eventually[0,2]([-1*a.state.0 + 1])"),
@@ -77,6 +86,7 @@ CASES = [
     ("absorb", f"or(and({P}, {Q}), {P})", f"{P}"),
     ("absorb", f"and({P}, [1*a.state.0 + 3], {Q})", f"and({P}, {Q})"),
     ("absorb", f"or({P}, [1*a.state.0 + 3])", "[1*a.state.0 + 3]"),
+    ("cse", TWICE, f"%0 = always[0,1]({P})\nand(%0, eventually[0,1](%0))"),
     ("unroll", f"always[1,2]({P})", "and([1*a.state.0@1 + -1], [1*a.state.0@2 + -1])"),
     (
         "unroll",
@@ -93,6 +103,13 @@ CASES = [
         "or([1*a.state.0@2 + 0], [1*a.state.1@2 + -1]))",
         "or([1*a.state.0@2 + -1], and([-1*a.state.0@2 + -1], [1*a.state.1@2 + -1]))",
     ),
+    ("stages", f"and(or({RIGHT}, {LEFT}), {FAR})", f"and({LEFT}, {FAR})"),
+    ("stages", f"and(or({RIGHT}, {LEFT}), {FAR}, {LATE})", f"and({LEFT}, {FAR}, {LATE})"),
+    (
+        "decide-again",
+        f"and(or({RIGHT}, {LEFT}), {FAR}, {LATE})",
+        f"and({LEFT}, {FAR}, [-1*a.input.0@1 + 0])",
+    ),
 ]
 
 
@@ -108,6 +125,30 @@ def test_robustness_is_kept(name: str, before: str, expected: str) -> None:
     for run in runs(here):
         if PASSES[name].preserves == "robustness" or value(original, run) >= 0:
             assert value(rewritten, run) == pytest.approx(value(original, run))
+
+
+@pytest.mark.parametrize(("name", "before", "expected"), CASES)
+def test_best_run_and_verdicts_are_kept(name: str, before: str, expected: str) -> None:
+    here = world(before)
+    original, rewritten = here.requirements[0].formula, parse_node(after(name, before))
+    pairs = [(value(original, run), value(rewritten, run)) for run in runs(here)]
+    assert [b >= 0 for _, b in pairs] == [a >= 0 for a, _ in pairs]
+    best = max(a for a, _ in pairs)
+    if best >= 0:
+        assert max(b for _, b in pairs) == pytest.approx(best)
+
+
+def test_cse_makes_equal_parts_one_object() -> None:
+    here = world(f"and(next({P}), or(next({P}), {Q}))".replace("next", "always[1,1]"))
+    program = PASSES["cse"].run(Program(here.requirements, here, reach(here)))
+    root = program.formulas[0]
+    assert root.children[0] is root.children[1].children[0]
+
+
+def test_every_pass_has_a_case() -> None:
+    tested = {name for name, _, _ in CASES}
+    repeated = {p.name for p in PIPELINE if p.name.endswith("-steps")}  # by the pass they repeat
+    assert tested | repeated == {p.name for p in PIPELINE}
 
 
 def test_predecessors_come_first() -> None:

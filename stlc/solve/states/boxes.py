@@ -155,6 +155,8 @@ class Corners:
     def cheapest(self, a0: Floats, a1: Floats) -> tuple[Floats, Floats]:
         """`least`, and (n, 3) where it is: p, w, w'; anywhere where no step is admissible."""
         best, value = self.least(a0, a1)
+        if not len(value):
+            return best, np.zeros((self.count, 3))
         found = np.flatnonzero(value == best[self.edge])
         index = np.zeros(self.count, np.int64)
         index[self.edge[found]] = found
