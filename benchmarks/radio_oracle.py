@@ -125,7 +125,8 @@ def ours(training: Samples, held: Samples) -> Scores:
 
 def theirs(training: Samples, held: Samples) -> Scores:
     """The same of scikit-learn's kernel of greatest likelihood."""
-    features = mean_features(training, _options(training))
+    heard = np.unique(training.receiver)
+    features = _columns(training, heard)
     loss, *_ = np.linalg.lstsq(features, training.rssi, rcond=None)
     residual = training.rssi - features @ loss
     used = np.ptp(training.links, axis=0) > 0
@@ -136,10 +137,20 @@ def theirs(training: Samples, held: Samples) -> Scores:
     ]
     best = max(fits, key=lambda fit: fit.log_marginal_likelihood_value_)
     mean, sigma = best.predict(held.links[:, used], return_std=True)
-    t = (held.rssi - mean - mean_features(held, _options(training)) @ loss) / sigma
+    t = (held.rssi - mean - _columns(held, heard) @ loss) / sigma
     density = -0.5 * t**2 - np.log(sigma) - 0.5 * np.log(2.0 * np.pi)
     rmse = np.sqrt(((t * sigma) ** 2).mean())
     return np.array([rmse, (np.abs(t) <= 1.6448536).mean(), density.mean()])
+
+
+def _columns(samples: Samples, heard: NDArray[np.intp]) -> NDArray[np.float64]:
+    """1, -10 log10 d and, of many receivers, offsets that sum to zero over those heard in
+    training; others have none."""
+    columns = mean_features(samples, _options(samples))
+    if columns.shape[1] == 2:
+        return columns
+    offsets = columns[:, 2:][:, heard]
+    return np.column_stack([columns[:, :2], offsets[:, :-1] - offsets[:, -1:]])
 
 
 def _kernels(scale: float, variance: float) -> list[Kernel]:

@@ -7,15 +7,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.radio.likelihood import (
-    Evaluation,
-    Problem,
-    Sites,
-    evaluate,
-    initial_sites,
-    make_blocks,
-)
+from stlc.radio.likelihood import Evaluation, evaluate
+from stlc.radio.problem import FIXED, Problem, make_blocks
 from stlc.radio.samples import Merged
+from stlc.radio.sites import Sites, initial_sites
 from stlc.radio.tobit import Regression
 
 Array = NDArray[np.float64]
@@ -45,15 +40,12 @@ CLOSE = 0.5
 """Ends nearer than this in all of theta are one; the campus likelihood has a second maximum at a
 seventh of the length, which a subset may take for the first."""
 
-NAMES = ("log_fading", "log_shadowing", "log_length", "log_deviation")
-"""The entries of theta; the last only where some link was measured twice."""
-
 
 def optimise(problem: Problem, alone: Regression, restarts: int, seed: int) -> Array:
     """Theta of greatest likelihood: starts compared on a subset drawn by `seed`, the best
     `restarts` of them climbed, the best end polished on more rows. `alone`: path loss alone."""
     small = _screen(problem, seed, SCREEN_ROWS)
-    part = _restrict(small)
+    part = small.restricted()
     starts = _starts(problem, alone)
     starts.sort(key=lambda s: -evaluate(part, s, start_sites(part, s, alone)).value)
     ends = [_climb(small, start, alone, problem) for start in starts[:restarts]]
@@ -85,9 +77,10 @@ def start_sites(problem: Problem, theta: Array, alone: Regression) -> Sites:
 def standard_errors(
     problem: Problem, theta: Array, last: Evaluation, alone: Regression
 ) -> tuple[tuple[str, float], ...]:
-    """Errors of l0, exponent and theta's entries: square roots of the inverse observed
-    information (differences of the gradient). Entries at a limit are taken as given, inf."""
-    limits = _limits(problem, alone, len(theta))
+    """Errors of l0, exponent and theta's entries (log_fading, ...): square roots of the
+    inverse observed information (differences of the gradient). Entries at a limit are taken as
+    given, inf."""
+    limits = _limits(problem, alone)
     free = [k for k, (low, high) in enumerate(limits) if low + EDGE < theta[k] < high - EDGE]
     spread = np.full(len(theta), np.inf)
     information = np.zeros((len(free), len(theta)))
@@ -100,15 +93,15 @@ def standard_errors(
     value, vector = np.linalg.eigh((square + square.T) / 2.0)
     spread[free] = np.sqrt((vector**2) @ (1.0 / np.maximum(value, 1e-30)))
     linear = np.sqrt(np.diag(last.covariance)[:2])
-    names = ("l0", "exponent", *NAMES[: len(theta)])
+    names = ("l0", "exponent", *(f"log_{name}" for name in problem.names))
     return tuple(zip(names, map(float, [*linear, *spread]), strict=True))
 
 
-def _limits(problem: Problem, alone: Regression, count: int) -> list[tuple[float, float]]:
+def _limits(problem: Problem, alone: Regression) -> list[tuple[float, float]]:
     """Least and greatest value of theta's entries."""
     size, variance = float(np.log(_scale(problem))), float(np.log(alone.variance))
     spread = (variance - 9.0, variance + 3.0)
-    return [spread, spread, (size - 6.0, size + 3.0), spread][:count]
+    return [(size - 6.0, size + 3.0) if n == "length" else spread for n in problem.names]
 
 
 def _screen(problem: Problem, seed: int, most: int) -> Problem:
@@ -128,19 +121,25 @@ def _scale(problem: Problem) -> float:
 
 def _starts(problem: Problem, alone: Regression) -> list[Array]:
     base = [(f, s) for s in (0.5, 0.8) for f in (0.1, 0.3, 1.0, 0.03)]
-    return [np.log(_start(problem.merged, alone.variance, s, _scale(problem) * f)) for f, s in base]
+    starts = [_start(problem.merged, alone.variance, s) for _, s in base]
+    squares = np.append(alone.coefficients[FIXED:] ** 2, alone.variance)
+    offset = float(squares.mean())
+    for start, (share, _) in zip(starts, base, strict=True):
+        start.update(length=_scale(problem) * share, offset=offset)
+    return [np.log([start[name] for name in problem.names]) for start in starts]
 
 
-def _start(merged: Merged, variance: float, share: float, length: float) -> list[float]:
+def _start(merged: Merged, variance: float, share: float) -> dict[str, float]:
     """Shadowing takes `share` of the variance; fading the scatter of the repeats, and the
     links' deviations the rest."""
     rest = variance * (1.0 - share)
     if not merged.repeated:
-        return [rest, variance * share, length]
+        return {"fading": rest, "shadowing": variance * share}
     surplus = float((merged.count - 1.0).sum())
     within = float(merged.scatter.sum()) / surplus if surplus else rest / 2.0
     fading = min(max(within, 1e-3 * variance), rest)
-    return [fading, variance * share, length, max(rest - fading, 0.1 * rest)]
+    deviation = max(rest - fading, 0.1 * rest)
+    return {"fading": fading, "shadowing": variance * share, "deviation": deviation}
 
 
 def _climb(
@@ -149,7 +148,7 @@ def _climb(
     """L-BFGS-B from `start`; returns the end and its log likelihood."""
     from scipy.optimize import minimize
 
-    active = _restrict(problem)
+    active = problem.restricted()
     sites = [start_sites(active, start, alone)]
 
     def objective(theta: Array) -> tuple[float, Array]:
@@ -157,17 +156,7 @@ def _climb(
         sites[0] = got.sites
         return -got.value, -got.gradient
 
-    limits = _limits(whole, alone, len(start))
+    limits = _limits(whole, alone)
     options = {"maxiter": 60, "ftol": ENOUGH / max(abs(alone.log_likelihood), 1.0), "gtol": 1e-3}
     found = minimize(objective, start, jac=True, method="L-BFGS-B", bounds=limits, options=options)
     return np.asarray(found.x, dtype=np.float64), -float(found.fun)
-
-
-def _restrict(problem: Problem) -> Problem:
-    """The problem with only the rows that its blocks hold, renumbered."""
-    rows = np.concatenate(problem.blocks)
-    if len(rows) == len(problem.features):
-        return problem
-    ends = np.cumsum([len(b) for b in problem.blocks])[:-1]
-    blocks = tuple(np.split(np.arange(len(rows), dtype=np.intp), ends))
-    return Problem(problem.merged.take(rows), problem.features[rows], blocks, problem.kernel)

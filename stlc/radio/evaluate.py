@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from stlc.radio.errors import FitError
 from stlc.radio.evidence import Evidence
 from stlc.radio.gp import ChannelModel
-from stlc.radio.likelihood import make_blocks
 from stlc.radio.posterior import exact_posterior
+from stlc.radio.problem import make_blocks
 from stlc.radio.samples import Samples, merge
 from stlc.radio.tobit import mills
 
@@ -30,6 +30,9 @@ class Forecast(Protocol):
 
     def offset(self, receiver: str | None) -> float:
         """Calibration offset [dB] of one receiver."""
+
+    def offset_variance(self, receiver: str | None) -> float:
+        """Variance of it [dB^2]."""
 
     def predict(
         self, links: Array, fading: bool, receiver: str | None = None
@@ -85,6 +88,8 @@ def predict_samples(model: Forecast, samples: Samples) -> tuple[Array, Array]:
     mean, variance = model.predict(samples.links, True)
     if model.offsets:
         mean += np.array([model.offset(n) for n in samples.names])[samples.receiver]
+        off = np.array([model.offset_variance(n) for n in samples.names])
+        variance += off[samples.receiver]
     return mean, variance
 
 

@@ -13,12 +13,13 @@ from stlc.radio.errors import FitError
 from stlc.radio.evidence import Evidence
 from stlc.radio.gp import ChannelModel, condition_on, evidence_for
 from stlc.radio.kernel import KernelName
-from stlc.radio.likelihood import Problem, evaluate, make_blocks, variances
+from stlc.radio.likelihood import Evaluation, evaluate
 from stlc.radio.nearest import NearestForecast
 from stlc.radio.pathloss import link_distance, log_distance
+from stlc.radio.problem import FIXED, Problem, make_problem
 from stlc.radio.samples import Merged, Samples, distinct, merge
 from stlc.radio.threads import single_thread
-from stlc.radio.tobit import regress
+from stlc.radio.tobit import Regression, regress
 
 Array = NDArray[np.float64]
 
@@ -53,10 +54,12 @@ class FitReport:
 
     model            conditioned on all samples
     standard_errors  (name, value): l0 [dB], exponent, and of log fading, log shadowing,
-                     log length and, where it is fitted, log deviation, from the observed
-                     information (inf where the samples leave it open); by blocks it takes the
-                     blocks as independent, so errors come out too small (said in `notes`)
-    log_likelihood   of all samples; by blocks: of the blocks taken as independent
+                     log length and, where they are fitted, log deviation and log offset
+                     (variance of the receivers' offsets), from the observed information
+                     (inf where the samples leave it open); by blocks it takes the blocks as
+                     independent, so errors come out too small (said in `notes`)
+    log_likelihood   of all samples, offsets integrated out; by blocks: of the blocks taken as
+                     independent
     path_loss        the same samples without shadowing
     samples, links, censored  counts: samples, different links, censored samples
     method           how likelihood and conditioning were computed
@@ -92,6 +95,8 @@ class FitReport:
 def fit_channel(samples: Samples, options: FitOptions | None = None) -> FitReport:
     """Fit path loss, fading, shadowing and correlation length; condition on the samples.
 
+    Variances and length are those of greatest restricted likelihood; receivers' offsets are random
+    effects (`stlc.radio.likelihood`), 0 for receivers without a sample.
     Where some link was measured twice, in either direction, fading is what its samples differ
     by, and a deviation of each link by itself is fitted beside the shadowing; repeats that are all
     equal are copies and count once. Censored samples enter by expectation propagation; up to
@@ -111,21 +116,17 @@ def fit_channel(samples: Samples, options: FitOptions | None = None) -> FitRepor
     features = mean_features(merged.samples, options)
     alone = regress(mean_features(samples, options), samples.rssi, samples.floor, samples.censored)
     size = EXACT_ROWS if len(merged.samples) <= EXACT_ROWS else BLOCK_ROWS
-    problem = Problem(merged, features, make_blocks(merged.samples.links, size), options.kernel)
+    problem = make_problem(merged, features, size, options.kernel)
     theta = optimise(problem, alone, options.restarts, options.seed)
     last = evaluate(problem, theta, start_sites(problem, theta, alone))
-    prior = _model(last.coefficients, theta, samples.names, options)
+    prior = _model(problem, theta, last, samples.names, options)
     evidence = evidence_for(prior, merged.samples, last.sites.target, last.sites.noise)
     model = condition_on(prior, evidence, options.centres)
-    path_loss = replace(
-        _model(alone.coefficients, np.log([alone.variance, 1.0, 1.0]), samples.names, options),
-        shadowing=0.0,
-    )
     return FitReport(
         model=model,
-        path_loss=path_loss,
+        path_loss=_path_loss(alone, samples, options),
         standard_errors=standard_errors(problem, theta, last, alone),
-        log_likelihood=last.value,
+        log_likelihood=last.likelihood,
         log_likelihood_path_loss=alone.log_likelihood,
         samples=len(samples),
         links=len(evidence),
@@ -155,35 +156,58 @@ def _check(samples: Samples, d0: float) -> None:
 
 
 def mean_features(samples: Samples, options: FitOptions) -> Array:
-    """Columns of the mean: 1, -10 log10 d, and offsets that sum to zero over the receivers."""
+    """Columns of the mean: 1, -10 log10 d, and one for the offset of each receiver, which is 0
+    throughout for a receiver without a sample."""
     distance = log_distance(link_distance(samples.links), options.d0)
     columns = [np.ones(len(samples)), distance]
     if options.receiver_offsets and len(samples.names) > 1:
-        last = samples.receiver == len(samples.names) - 1
-        for k in range(len(samples.names) - 1):
-            columns.append((samples.receiver == k).astype(np.float64) - last)
+        numbers = range(len(samples.names))
+        columns += [(samples.receiver == k).astype(np.float64) for k in numbers]
     return np.column_stack(columns)
 
 
 def _model(
-    coefficients: Array, theta: Array, names: tuple[str, ...], options: FitOptions
+    problem: Problem, theta: Array, last: Evaluation, names: tuple[str, ...], options: FitOptions
 ) -> ChannelModel:
-    fading, shadowing, length, deviation = variances(theta)
-    offsets: tuple[tuple[str, float], ...] = ()
-    if len(coefficients) > 2:
-        free = [float(v) for v in coefficients[2:]]
-        offsets = tuple(zip(names, [*free, -sum(free)], strict=True))
+    at, given = problem.parameters(theta), last.given
+    offsets = last.coefficients[FIXED:]
     return ChannelModel(
-        l0=float(coefficients[0]),
-        exponent=float(coefficients[1]),
-        fading=fading,
-        shadowing=shadowing,
-        length=length,
+        l0=float(last.coefficients[0]),
+        exponent=float(last.coefficients[1]),
+        fading=at.fading,
+        shadowing=at.shadowing,
+        length=at.length,
         d0=options.d0,
         kernel=options.kernel,
-        offsets=offsets,
-        deviation=deviation,
+        offsets=_named(names, offsets),
+        offset_variances=_named(names, given),
+        deviation=at.deviation,
     )
+
+
+def _path_loss(alone: Regression, samples: Samples, options: FitOptions) -> ChannelModel:
+    """The channel without shadowing; offsets sum to zero over the receivers that were heard."""
+    base, offsets = float(alone.coefficients[0]), alone.coefficients[FIXED:]
+    if len(offsets):
+        heard = np.unique(samples.receiver)
+        middle = float(offsets[heard].mean())
+        base, centred = base + middle, np.zeros(len(offsets))
+        centred[heard] = offsets[heard] - middle
+        offsets = centred
+    return ChannelModel(
+        l0=base,
+        exponent=float(alone.coefficients[1]),
+        fading=alone.variance,
+        shadowing=0.0,
+        length=1.0,
+        d0=options.d0,
+        kernel=options.kernel,
+        offsets=_named(samples.names, offsets),
+    )
+
+
+def _named(names: tuple[str, ...], values: Array) -> tuple[tuple[str, float], ...]:
+    return tuple(zip(names, map(float, values), strict=True)) if len(values) else ()
 
 
 def _method(problem: Problem, model: ChannelModel) -> str:

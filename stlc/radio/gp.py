@@ -51,6 +51,7 @@ class ChannelModel:
     d0          distance [m] below which the path loss stays constant
     kernel      see `stlc.radio.kernel`
     offsets     calibration offset [dB] of each named receiver, added to its mean
+    offset_variances  how far each offset may be off [dB^2], added to variances asked for by name
     posterior   what measurements add; None for the prior
     """
 
@@ -64,6 +65,7 @@ class ChannelModel:
     offsets: tuple[tuple[str, float], ...] = ()
     posterior: Posterior | None = None
     deviation: float = 0.0
+    offset_variances: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("l0", "exponent"):
@@ -95,6 +97,10 @@ class ChannelModel:
             raise RadioError(f"no receiver {receiver!r}; known: {', '.join(known) or 'none'}")
         return known[receiver]
 
+    def offset_variance(self, receiver: str | None) -> float:
+        """Variance of `offset` [dB^2]; 0 where offsets are given rather than fitted."""
+        return dict(self.offset_variances).get(receiver or "", 0.0)
+
     def predict(
         self, links: Array, fading: bool, receiver: str | None = None
     ) -> tuple[Array, Array]:
@@ -112,7 +118,8 @@ class ChannelModel:
                 gain, drop = self._update(links[rows], self.posterior)
                 mean[rows] += gain
                 variance[rows] -= drop
-        return mean, self.checked_variance(variance) + self.own_variance(fading)
+        extra = self.own_variance(fading) + self.offset_variance(receiver)
+        return mean, self.checked_variance(variance) + extra
 
     def checked_variance(self, variance: Array) -> Array:
         """`variance` with rounding removed; KernelError when it is truly negative."""

@@ -48,6 +48,10 @@ class NearestForecast:
         """Calibration offset [dB]; RadioError for an unknown name."""
         return self.prior.offset(receiver)
 
+    def offset_variance(self, receiver: str | None) -> float:
+        """Variance of `offset` [dB^2]."""
+        return self.prior.offset_variance(receiver)
+
     @single_thread()
     def predict(
         self, links: Array, fading: bool, receiver: str | None = None
@@ -63,7 +67,8 @@ class NearestForecast:
             gain, drop = self._update(links[rows], near[rows], again[rows])
             mean[rows] += gain
             variance[rows] -= drop
-        return mean, self.prior.checked_variance(variance) + self.prior.own_variance(fading)
+        extra = self.prior.own_variance(fading) + self.prior.offset_variance(receiver)
+        return mean, self.prior.checked_variance(variance) + extra
 
     def _nearest(self, links: Array) -> tuple[Ints, NDArray[np.bool_]]:
         """Rows (K, k) of the nearest evidence, and which of them repeat an earlier one."""

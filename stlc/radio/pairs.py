@@ -101,8 +101,9 @@ def predict_pairs(
     field = prepare(model, a.shape[1])
     distance = pair_distance(a, b)
     mean = path_loss_mean(distance, model.l0, model.exponent, model.d0) + model.offset(receiver)
+    extra = model.own_variance(fading) + model.offset_variance(receiver)
     if not field.centres:
-        spread = model.shadowing + model.own_variance(fading)
+        spread = model.shadowing + extra
         return mean, np.full_like(mean, spread)
     overlap = 1.0 + np.exp(-((distance / model.length) ** 2))
     fa, fb = field.factors(a), swap_halves(field.factors(b))
@@ -112,7 +113,7 @@ def predict_pairs(
     for rows in row_blocks(len(a), len(b) * field.centres * 8):
         explained[rows] = _explained(field, fa[rows], fb)
     variance = model.checked_variance(model.shadowing * (1.0 - explained / overlap))
-    return mean, variance + model.own_variance(fading)
+    return mean, variance + extra
 
 
 def row_blocks(rows: int, bytes_a_row: int) -> list[slice]:

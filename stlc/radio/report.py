@@ -60,6 +60,7 @@ class FitSummary:
             "channel": {name: getattr(model, name) for name in names},
             "kernel": model.kernel.value,
             "offsets": dict(model.offsets),
+            "offset_variances": dict(model.offset_variances),
             "standard_errors": errors,
             "log_likelihood": fit.log_likelihood,
             "log_likelihood_path_loss": fit.log_likelihood_path_loss,
@@ -161,7 +162,10 @@ def format_summary(summary: FitSummary) -> str:
         f"sigma {gap.sigma:.2f} dB rms on {gap.links} links"
         for name, gap in summary.approximate
     ]
-    lines += [f"offset        {name}: {value:+.2f} dB" for name, value in model.offsets]
+    lines += [
+        f"offset        {name}: {value:+.2f} dB +- {np.sqrt(model.offset_variance(name)):.2f}"
+        for name, value in model.offsets
+    ]
     lines += [f"note: {note}" for note in fit.notes]
     return "\n".join(lines)
 

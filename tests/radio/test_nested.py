@@ -4,20 +4,24 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import null_space
 from scipy.stats import multivariate_normal
 
 from stlc.radio.evaluate import hold_out, split_samples
 from stlc.radio.fit import FitOptions, fit_channel, mean_features
 from stlc.radio.gp import ChannelModel, condition
-from stlc.radio.likelihood import Problem, evaluate, initial_sites, make_blocks
+from stlc.radio.likelihood import evaluate
 from stlc.radio.links import z_quantile
 from stlc.radio.pairs import predict_pairs
 from stlc.radio.pathloss import swap_ends
+from stlc.radio.problem import make_problem
 from stlc.radio.report import FitSummary, format_summary
 from stlc.radio.samples import Samples, link_numbers, make_samples, merge
+from stlc.radio.sites import initial_sites
 
 TRUTH = ChannelModel(-40.0, 2.5, fading=2.0, shadowing=20.0, length=3.0, deviation=6.0)
 THETA = np.log([3.0, 15.0, 2.0, 5.0])
+OFFSET = 7.0
 
 
 def anchored(count, seed):
@@ -41,7 +45,7 @@ def drawn(links, seed, model=TRUTH):
 def problem(samples, options, size=1000):
     merged = merge(samples)
     features = mean_features(merged.samples, options)
-    return Problem(merged, features, make_blocks(merged.samples.links, size), TRUTH.kernel)
+    return make_problem(merged, features, size, TRUTH.kernel)
 
 
 def dense_covariance(links, theta):
@@ -55,29 +59,72 @@ def dense_covariance(links, theta):
 
 @pytest.mark.parametrize("offsets", [False, True])
 def test_likelihood_is_that_of_all_samples_one_by_one(offsets):
-    links = unequal(24, 1)
-    names = tuple("abc") if offsets else ("",)
-    receiver = np.arange(len(links), dtype=np.intp) % len(names)
-    plain = drawn(links, 2)
-    samples = Samples(links, plain.rssi, plain.floor, receiver, names)
-    options = FitOptions(receiver_offsets=offsets)
+    """Restricted: that of contrasts K z, K the null space of the fixed effects' columns; offsets
+    are part of the covariance."""
+    samples, options, theta = (
+        named(24, 1) if offsets else (drawn(unequal(24, 1), 2), FitOptions(), THETA)
+    )
     task = problem(samples, options)
-    got = evaluate(task, THETA, initial_sites(task, 3.0, 20.0))
-    mean = mean_features(samples, options) @ got.coefficients
-    expected = multivariate_normal(mean, dense_covariance(links, THETA)).logpdf(samples.rssi)
-    assert got.value == pytest.approx(expected, abs=1e-3)
+    got = evaluate(task, theta, initial_sites(task, 3.0, 20.0))
+    features = mean_features(samples, options)
+    fixed, random = features[:, :2], features[:, 2:]
+    covariance = dense_covariance(samples.links, THETA) + OFFSET * random @ random.T
+    mean = fixed @ got.coefficients[:2]
+    expected = multivariate_normal(mean, covariance).logpdf(samples.rssi)
+    assert got.likelihood == pytest.approx(expected, abs=1e-3)
+    contrasts = null_space(fixed.T).T
+    spread = contrasts @ covariance @ contrasts.T
+    density = multivariate_normal(np.zeros(len(spread)), spread).logpdf(contrasts @ samples.rssi)
+    volume = 0.5 * np.linalg.slogdet(fixed.T @ fixed)[1]
+    assert got.value == pytest.approx(density - volume, abs=1e-3)
 
 
+def named(count, seed):
+    """Samples of three receivers and one that hears nothing; theta with the offsets' variance."""
+    links = unequal(count, seed)
+    plain = drawn(links, seed + 1)
+    receiver = np.arange(len(links), dtype=np.intp) % 3
+    samples = Samples(links, plain.rssi, plain.floor, receiver, tuple("abcd"))
+    return samples, FitOptions(receiver_offsets=True), np.append(THETA, np.log(OFFSET))
+
+
+@pytest.mark.parametrize("offsets", [False, True])
 @pytest.mark.parametrize("floor", [None, -75.0])
 @pytest.mark.parametrize("size", [1000, 12])
-def test_gradient_matches_finite_differences(floor, size):
-    samples = drawn(unequal(30, 3), 4)
-    task = problem(samples if floor is None else samples.with_floor(floor), FitOptions(), size)
+def test_gradient_matches_finite_differences(offsets, floor, size):
+    samples, options, theta = (
+        named(30, 3) if offsets else (drawn(unequal(30, 3), 4), FitOptions(), THETA)
+    )
+    task = problem(samples if floor is None else samples.with_floor(floor), options, size)
     sites = initial_sites(task, 3.0, 20.0)
-    got = evaluate(task, THETA, sites)
-    for k, step in enumerate(np.eye(4) * 1e-4):
-        up, down = (evaluate(task, THETA + s, sites).value for s in (step, -step))
+    got = evaluate(task, theta, sites)
+    for k, step in enumerate(np.eye(len(theta)) * 1e-4):
+        up, down = (evaluate(task, theta + s, sites).value for s in (step, -step))
         assert got.gradient[k] == pytest.approx((up - down) / 2e-4, rel=2e-3, abs=5e-3)
+
+
+def test_offsets_are_shrunk_and_that_of_an_unheard_receiver_is_none():
+    """Offsets of twelve receivers, one heard by two samples, the last by none."""
+    rng = np.random.default_rng(27)
+    links = anchored(200, 28)
+    receiver = rng.integers(10, size=200).astype(np.intp)
+    receiver[:2] = 10
+    shift = np.append(rng.normal(0.0, 6.0, 11), 0.0)
+    strength = drawn(links, 29).rssi + shift[receiver]
+    names = tuple(f"r{k}" for k in range(12))
+    plain = make_samples(links, strength)
+    samples = Samples(links, strength, plain.floor, receiver, names)
+    model = fit_channel(samples, FitOptions(receiver_offsets=True)).model
+    found = np.array([v for _, v in model.offsets])
+    spread = np.array([v for _, v in model.offset_variances])
+    error = (found - shift)[:11] - (found - shift)[:11].mean()
+    assert (np.abs(error) < 3.5 * np.sqrt(spread[:11])).all()
+    assert found[11] == pytest.approx(0.0, abs=1e-9)
+    assert sum(found) == pytest.approx(0.0, abs=1e-4)
+    assert spread[:10].max() < spread[10] < spread[11]
+    assert spread[11] == pytest.approx(shift[:11].var(), rel=0.7)
+    known, unheard = (model.predict(links[:1], True, n)[1] for n in ("r3", "r11"))
+    assert (unheard - known)[0] == pytest.approx(spread[11] - spread[3])
 
 
 def test_known_parameters_are_recovered_within_their_errors():
