@@ -20,8 +20,9 @@ from stlc.api import load, solve
 from stlc.milp.writers import write_model
 from stlc.mission import Mission
 from stlc.plot import plot_plan
+from stlc.radio.figures import plot_summary
 from stlc.radio.read import read_samples
-from stlc.radio.report import fit_csv, format_summary, plot_summary
+from stlc.radio.report import fit_csv, format_summary
 from stlc.solve.outcome import Outcome, SolveSettings
 from stlc.verify import verify
 

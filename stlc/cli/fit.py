@@ -60,9 +60,10 @@ def fit_command(
     forecasts samples that were held back, against path loss alone. The CSV may be gzipped; with
     tx_z, rx_z it has heights, with a column `receiver` named receivers (see --offsets).
     """
+    from stlc.radio.figures import plot_summary
     from stlc.radio.fit import FitOptions
     from stlc.radio.read import SampleOptions, read_samples
-    from stlc.radio.report import fit_csv, format_summary, plot_summary
+    from stlc.radio.report import fit_csv, format_summary
 
     options = FitOptions(d0=d0, receiver_offsets=offsets, seed=seed)
     reading = SampleOptions(height, floor, None if where is None else _column(where), not_heard)

@@ -102,10 +102,12 @@ def pair_bounds(
     tolerance [dB] on `level`; budget: multiplications (pairs of parts x M^2) to spend after
     the first look, on the loosest pairs first; focus [dBm]: levels that matter, a bound that
     lies beyond them as its cell does may be looser (DECIDED).
-    Raises RadioError for `paper_min`, whose posterior variance obeys no such bound.
+    Raises RadioError for a kernel other than `symmetrised`: the expansions are of that one.
     """
     if model.kernel is not KernelName.SYMMETRISED:
-        raise RadioError("kernel paper_min has no rigorous bounds: use bound = centre or mean")
+        raise RadioError(
+            f"kernel {model.kernel.value} has no rigorous bounds: use bound = centre or mean"
+        )
     if z != 0.0 and not spread:
         raise RadioError("a level with z other than 0 needs the spread")
     field = prepare(model, a.centre.shape[1])

@@ -12,7 +12,7 @@ from stlc.radio.climb import BLOCK_ROWS, POLISH_ROWS, optimise, standard_errors,
 from stlc.radio.errors import FitError
 from stlc.radio.evidence import Evidence
 from stlc.radio.gp import ChannelModel, condition_on, evidence_for
-from stlc.radio.kernel import KernelName
+from stlc.radio.kernel import DIRECTED, KernelName
 from stlc.radio.likelihood import Evaluation, evaluate
 from stlc.radio.nearest import NearestForecast
 from stlc.radio.pathloss import link_distance, log_distance
@@ -60,6 +60,7 @@ class FitReport:
                      independent, so errors come out too small (said in `notes`)
     log_likelihood   of all samples, offsets integrated out; by blocks: of the blocks taken as
                      independent
+    restricted       likewise, L0 and n integrated out too: what kernels are compared by
     path_loss        the same samples without shadowing
     samples, links, censored  counts: samples, different links, censored samples
     method           how likelihood and conditioning were computed
@@ -73,6 +74,7 @@ class FitReport:
     standard_errors: tuple[tuple[str, float], ...]
     log_likelihood: float
     log_likelihood_path_loss: float
+    restricted: float
     samples: int
     links: int
     censored: int
@@ -89,6 +91,19 @@ class FitReport:
         if posterior is None or posterior.exact or self.model.kernel is KernelName.PAPER_MIN:
             return self.model
         return NearestForecast(replace(self.model, posterior=None), self.evidence)
+
+
+def fit_directed(samples: Samples, symmetric: FitReport, options: FitOptions) -> FitReport | None:
+    """The likeliest fit by a kernel that tells senders from receivers, where no place is both and
+    it is likelier than `symmetric`, the fit of the same samples; else None.
+
+    All kernels have as many parameters, so their likelihoods are compared as they are.
+    """
+    if not samples.directed or options.kernel is not KernelName.SYMMETRISED:
+        return None
+    fits = [fit_channel(samples, replace(options, kernel=kernel)) for kernel in DIRECTED]
+    best = max(fits, key=lambda fit: fit.restricted)
+    return best if best.restricted > symmetric.restricted else None
 
 
 @single_thread()
@@ -128,6 +143,7 @@ def fit_channel(samples: Samples, options: FitOptions | None = None) -> FitRepor
         standard_errors=standard_errors(problem, theta, last, alone),
         log_likelihood=last.likelihood,
         log_likelihood_path_loss=alone.log_likelihood,
+        restricted=last.value,
         samples=len(samples),
         links=len(evidence),
         censored=int(samples.censored.sum()),

@@ -7,6 +7,12 @@ With rho(y, y') = exp(-|y - y'|^2 / (2 l^2)):
     over the swap group (Ginsbourger, Roustant and Durrande, 2012).
 ``paper_min``    max(rho(y, y'), rho(y, s y')), the paper's eq. (5) inside its kernel
     not positive semi-definite in general, therefore used only behind `check_covariance`.
+
+Two that tell the ends apart, for forecasts of links from senders of one kind to receivers of
+another (moving robots to fixed anchors, the ground to roofs); no symmetry, no bounds over cells:
+
+``directed``     rho(y, y')
+``exponential``  exp(-|y - y'| / l) (Gudmundson, Electronics Letters 27, 1991)
 """
 
 from __future__ import annotations
@@ -23,10 +29,16 @@ Array = NDArray[np.float64]
 
 
 class KernelName(StrEnum):
-    """Kernels a channel may name."""
+    """Kernels: a mission's channel may name the first two."""
 
     SYMMETRISED = "symmetrised"
     PAPER_MIN = "paper_min"
+    DIRECTED = "directed"
+    EXPONENTIAL = "exponential"
+
+
+DIRECTED = (KernelName.DIRECTED, KernelName.EXPONENTIAL)
+"""Kernels for which a link and its reverse are two links."""
 
 
 def squared_distance(a: Array, b: Array) -> Array:
@@ -37,6 +49,13 @@ def squared_distance(a: Array, b: Array) -> Array:
     return np.asarray(np.maximum(square, 0.0), dtype=np.float64)
 
 
+def radial(square: Array, length: float, kernel: KernelName) -> Array:
+    """Correlation at squared distances `square` [m^2] of links, before any symmetry."""
+    if kernel is KernelName.EXPONENTIAL:
+        return np.asarray(np.exp(np.sqrt(square) / -length), dtype=np.float64)
+    return np.asarray(np.exp(square / (-2.0 * length**2)), dtype=np.float64)
+
+
 def self_overlap(links: Array, length: float) -> Array:
     """rho(y, s y) (K,): one when both ends coincide, zero when they are far apart."""
     return np.asarray(np.exp(-((link_distance(links) / length) ** 2)), dtype=np.float64)
@@ -44,8 +63,10 @@ def self_overlap(links: Array, length: float) -> Array:
 
 def correlation(a: Array, b: Array, length: float, kernel: KernelName) -> Array:
     """Correlation (len(a), len(b)) of the shadowing at links `a` and `b`; length [m]."""
-    direct = np.exp(-squared_distance(a, b) / (2.0 * length**2))
-    crossed = np.exp(-squared_distance(a, swap_ends(b)) / (2.0 * length**2))
+    direct = radial(squared_distance(a, b), length, kernel)
+    if kernel in DIRECTED:
+        return direct
+    crossed = radial(squared_distance(a, swap_ends(b)), length, kernel)
     if kernel is KernelName.PAPER_MIN:
         return np.asarray(np.maximum(direct, crossed), dtype=np.float64)
     scale_a = 1.0 / np.sqrt(1.0 + self_overlap(a, length))
@@ -58,6 +79,9 @@ def correlation_gradient(
 ) -> tuple[Array, Array]:
     """The correlation and its derivative by log(length), both (len(a), len(b))."""
     near = squared_distance(a, b) / length**2
+    if kernel in DIRECTED:
+        value = radial(near, 1.0, kernel)
+        return value, value * (np.sqrt(near) if kernel is KernelName.EXPONENTIAL else near)
     far = squared_distance(a, swap_ends(b)) / length**2
     direct, crossed = np.exp(-near / 2.0), np.exp(-far / 2.0)
     if kernel is KernelName.PAPER_MIN:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from stlc.radio.evidence import Evidence
 from stlc.radio.gp import ChannelModel
-from stlc.radio.kernel import self_overlap
+from stlc.radio.kernel import DIRECTED, KernelName, radial, self_overlap
 from stlc.radio.pathloss import swap_ends
 from stlc.radio.threads import single_thread
 
@@ -33,7 +33,7 @@ IGNORED = 1e12
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NearestForecast:
-    """A channel (symmetrised kernel) conditioned link by link on its nearest evidence."""
+    """A channel (any kernel but `paper_min`) conditioned link by link on its nearest evidence."""
 
     prior: ChannelModel
     evidence: Evidence
@@ -74,9 +74,10 @@ class NearestForecast:
         """Rows (K, k) of the nearest evidence, and which of them repeat an earlier one."""
         from scipy.spatial import cKDTree
 
-        count = len(self.evidence)
-        tree = cKDTree(np.vstack([self.evidence.links, swap_ends(self.evidence.links)]))
-        _, found = tree.query(links, k=np.arange(1, min(self.neighbours, 2 * count) + 1))
+        count, sites = len(self.evidence), self.evidence.links
+        if self.prior.kernel not in DIRECTED:
+            sites = np.vstack([sites, swap_ends(sites)])
+        _, found = cKDTree(sites).query(links, k=np.arange(1, min(self.neighbours, len(sites)) + 1))
         near = np.asarray(found % count, dtype=np.intp)
         order = np.argsort(near, axis=1, kind="stable")
         sorted_rows = np.take_along_axis(near, order, axis=1)
@@ -89,29 +90,34 @@ class NearestForecast:
     def _update(self, links: Array, near: Ints, again: NDArray[np.bool_]) -> tuple[Array, Array]:
         """What the neighbours add to the mean and take from the variance."""
         sites = self.evidence.links[near]
-        scale = self.prior.shadowing
-        joint = scale * _correlation(sites[:, :, None], sites[:, None, :], self.prior.length)
+        scale, shape = self.prior.shadowing, (self.prior.length, self.prior.kernel)
+        joint = scale * _correlation(sites[:, :, None], sites[:, None, :], *shape)
         noise = self.evidence.noise[near] + np.where(again, IGNORED, 1e-8 * scale)
         diagonal = np.arange(near.shape[1])
         joint[:, diagonal, diagonal] += noise
-        cross = scale * _correlation(links[:, None], sites, self.prior.length)
+        cross = scale * _correlation(links[:, None], sites, *shape)
         weight = np.linalg.solve(joint, cross[..., None])[..., 0]
         gain = (weight * self.evidence.residual[near]).sum(1)
         return gain, (weight * cross).sum(1)
 
 
-def _correlation(a: Array, b: Array, length: float) -> Array:
-    """Symmetrised correlation of links (..., 2 D) that broadcast against each other."""
+def _correlation(a: Array, b: Array, length: float, kernel: KernelName) -> Array:
+    """Correlation of links (..., 2 D) that broadcast against each other."""
+    direct = radial(_square(a, b), length, kernel)
+    if kernel in DIRECTED:
+        return direct
     half = a.shape[-1] // 2
     swapped = np.concatenate([b[..., half:], b[..., :half]], axis=-1)
-    shape = np.broadcast_shapes(a.shape, b.shape)[:-1]
-    total = np.zeros(shape)
-    for other in (b, swapped):
-        square = np.zeros(shape)
-        for axis in range(a.shape[-1]):
-            square += (a[..., axis] - other[..., axis]) ** 2
-        total += np.exp(square / (-2.0 * length**2))
-    return total / np.sqrt(_norm(a, length) * _norm(b, length))
+    total = direct + radial(_square(a, swapped), length, kernel)
+    return np.asarray(total / np.sqrt(_norm(a, length) * _norm(b, length)))
+
+
+def _square(a: Array, b: Array) -> Array:
+    """Squared distances, one axis at a time to keep temporaries small."""
+    square = np.zeros(np.broadcast_shapes(a.shape, b.shape)[:-1])
+    for axis in range(a.shape[-1]):
+        square += (a[..., axis] - b[..., axis]) ** 2
+    return square
 
 
 def _norm(links: Array, length: float) -> Array:

@@ -96,7 +96,7 @@ def predict_pairs(
 ) -> tuple[Array, Array]:
     """Posterior mean [dBm] and variance [dB^2], both (na, nb), between points a (na, D) and
     b (nb, D) [m]; the same numbers as `ChannelModel.predict`, much faster."""
-    if model.kernel is KernelName.PAPER_MIN:
+    if model.kernel is not KernelName.SYMMETRISED:
         return _predict_links(model, a, b, fading, receiver)
     field = prepare(model, a.shape[1])
     distance = pair_distance(a, b)

@@ -48,6 +48,13 @@ class Samples:
         """Rows (K,) of which only `strength <= floor` is known."""
         return np.asarray(self.rssi <= self.floor, dtype=np.bool_)
 
+    @property
+    def directed(self) -> bool:
+        """Whether no place sends in one sample and receives in another."""
+        sender, receiver = split_links(self.links)
+        together = np.vstack([np.unique(sender, axis=0), np.unique(receiver, axis=0)])
+        return len(np.unique(together, axis=0)) == len(together)
+
     def take(self, rows: Ints | NDArray[np.bool_]) -> Samples:
         """The samples of the given rows, in that order."""
         return Samples(

@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 from stlc.radio.errors import KernelError
 from stlc.radio.gp import ChannelModel, condition
 from stlc.radio.kernel import (
+    DIRECTED,
     KernelName,
     check_covariance,
     correlation,
@@ -33,7 +34,7 @@ def test_symmetrised_kernel_is_a_unit_variance_covariance(seed, length, count):
     assert np.linalg.eigvalsh(matrix)[0] > -1e-10
 
 
-@pytest.mark.parametrize("kernel", list(KernelName))
+@pytest.mark.parametrize("kernel", [KernelName.SYMMETRISED, KernelName.PAPER_MIN])
 def test_kernels_do_not_care_which_end_sends(kernel):
     a, b = links(15, 1), links(12, 2)
     same = correlation(a, b, 1.7, kernel)
@@ -65,3 +66,20 @@ def test_paper_min_works_where_it_is_a_covariance():
     model = ChannelModel(-12.0, 3.0, 1.0, 10.0, 2.0, kernel=KernelName.PAPER_MIN)
     got, _ = condition(model, make_samples(y, model.mean(y) + 5.0)).predict(y, fading=False)
     np.testing.assert_allclose(got, model.mean(y) + 5.0 * 10.0 / 11.0, atol=1e-3)
+
+
+@pytest.mark.parametrize("kernel", DIRECTED)
+def test_directed_kernels_part_the_directions_and_are_covariances(kernel):
+    links = np.random.default_rng(5).uniform(0, 4, (60, 4))
+    value, slope = correlation_gradient(links, links, 1.5, kernel)
+    np.testing.assert_allclose(value, correlation(links, links, 1.5, kernel), atol=1e-12)
+    np.testing.assert_allclose(np.diag(value), 1.0, atol=1e-6)
+    assert np.linalg.eigvalsh(value)[0] > -1e-9
+    up, down = (correlation(links, links, 1.5 * np.exp(e), kernel) for e in (1e-5, -1e-5))
+    np.testing.assert_allclose(slope, (up - down) / 2e-5, atol=1e-6)
+    assert correlation(links[:1], swap_ends(links[:1]), 1.5, kernel)[0, 0] < 0.9
+
+
+def test_exponential_is_that_of_the_distance():
+    a, b = np.array([[0.0, 0.0, 5.0, 0.0]]), np.array([[3.0, 0.0, 5.0, 4.0]])
+    assert correlation(a, b, 2.0, KernelName.EXPONENTIAL)[0, 0] == pytest.approx(np.exp(-2.5))

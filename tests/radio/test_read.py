@@ -8,10 +8,11 @@ import pytest
 
 from stlc.radio import content
 from stlc.radio.errors import DataError
+from stlc.radio.figures import plot_summary
 from stlc.radio.link_table import read_table
 from stlc.radio.prior import PAPER_CHANNEL, draw_samples, main
 from stlc.radio.read import SampleOptions, read_samples
-from stlc.radio.report import fit_csv, format_summary, plot_summary
+from stlc.radio.report import fit_csv, format_summary
 
 HEADER = "tx_x,tx_y,rx_x,rx_y,rssi_dbm\n"
 DATA = Path(__file__).parents[2] / "examples" / "data"
