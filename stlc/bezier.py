@@ -12,7 +12,7 @@ lies in the convex hull of its Bezier points.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from math import ceil, comb, factorial
 
@@ -38,6 +38,7 @@ class Curve:
     starts: Floats
     matrix: Floats | None
     step: float
+    _degrees: dict[tuple[int, ...] | None, int | None] = field(default_factory=dict, repr=False)
 
     @property
     def parts(self) -> int:
@@ -46,8 +47,12 @@ class Curve:
 
     def degree(self, states: Sequence[int] | None = None) -> int | None:
         """Least degree at which the motion of some states is met on every part; None: too fast."""
-        rows = slice(None) if states is None else list(states)
-        return next((d for d in range(1, MOST_DEGREE + 1) if self._meets(d, rows)), None)
+        key = None if states is None else tuple(states)
+        if key not in self._degrees:
+            rows = slice(None) if states is None else list(states)
+            found = (d for d in range(1, MOST_DEGREE + 1) if self._meets(d, rows))
+            self._degrees[key] = next(found, None)
+        return self._degrees[key]
 
     def _meets(self, degree: int, rows: slice | list[int]) -> bool:
         """Whether the series cut at this degree is near enough in these rows: by its remainder,

@@ -22,7 +22,8 @@ from stlc.ir.requirement import Requirement
 from stlc.mission import Mission
 from stlc.recording import Recording, read_recording
 from stlc.source import Span
-from stlc.verify.robustness import TOLERANCE, Evaluator, Trace
+from stlc.verify.robustness import TOLERANCE, Evaluator
+from stlc.verify.trace import Trace
 
 Array = NDArray[np.float64]
 

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from math import prod
 
+from stlc.bezier import Curve
 from stlc.ir.nodes import Node
 from stlc.mission import Agent, Channel, Dynamics, Obstacle, Polytope, Region, Station
 from stlc.sema.name_errors import RecursiveLet, TooDeep, TooLarge, UnknownName, WrongKind
@@ -57,6 +58,7 @@ class Scope:
     used: set[str] = field(default_factory=set)
     evaluating: list[str] = field(default_factory=list)
     memo: dict[Hashable, Node] = field(default_factory=dict)
+    curves: dict[tuple[str, int | None], Curve | None] = field(default_factory=dict)
     numbers: dict[Hashable, Scalar] = field(default_factory=dict)
     uses: dict[Hashable, set[str]] = field(default_factory=dict)
     cost_lets: dict[str, bool] = field(default_factory=dict)

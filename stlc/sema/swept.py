@@ -90,7 +90,10 @@ def _sweep_linear(node: Linear, part: Part, scope: Scope, span: Span, change: fl
 
 def known_curve(agent: Agent, scope: Scope, span: Span, parts: int | None = None) -> Curve:
     """The motion of an agent between steps. Raises Mistake where it isn't known."""
-    found = curve(agent.dynamics, scope.step, parts)
+    key = (agent.name, parts)
+    if key not in scope.curves:
+        scope.curves[key] = curve(agent.dynamics, scope.step, parts)
+    found = scope.curves[key]
     if found is not None:
         return found
     name, model = agent.name, agent.dynamics.name

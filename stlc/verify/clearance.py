@@ -1,125 +1,117 @@
 """How near a motion comes to a body, and how deep it gets, from the file's own outlines.
 
-The motion of a step becomes a chain of chords, fine enough that it strays by less than `STRAY` from
-the true curve; what it has to do with polygons is shapely's to tell. A body that moves without
-turning is met in its own frame, exactly; one whose corners move unlike each other is judged at
-`INSTANTS` times of the step.
+The motion of a step is a chain of chords (`chains.py`); what it has to do with polygons is told
+by shapely. A body that moves without turning is met in its own frame, exactly; one whose corners
+move unlike each other is judged at `INSTANTS` times of the step.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stlc.mission import Polytope
+from stlc.verify.chains import CHORDS, Chain
 from stlc.verify.continuous import Extremum
-from stlc.verify.paths import Path
-from stlc.verify.shapes import TOUCH, Body, beyond, closed_union
+from stlc.verify.shapes import Body, Form, Stay
+from stlc.verify.unions import DISC, TOUCH, beyond, closed_union, moved
 
 Array = NDArray[np.float64]
 
-STRAY = 2e-7
-"""Chords stay this near to the curve [m], well within the tolerance of a judgement."""
-
-MOST = 4096
-"""Chords of one step at most; enough for 10 m of sagitta."""
-
 INSTANTS = 129
+"""Times of a step at which what turns is looked at."""
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Chain:
-    """Positions of a motion: for each step t < T a row of (times in [0, 1] (K,), places (K, 2))."""
-
-    rows: tuple[tuple[Array, Array], ...]
-
-    @classmethod
-    def of(cls, path: Path) -> Chain:
-        """The chords of a motion; its last row, where it rests, is one point."""
-        rows = [_chords(path, t) for t in range(len(path) - 1)]
-        rows.append((np.array([0.0, 1.0]), np.tile(path.at(np.array([len(path) - 1.0])), (2, 1))))
-        return cls(tuple(rows))
-
-
-def _chords(path: Path, t: int) -> tuple[Array, Array]:
-    rough = np.linspace(0.0, 1.0, 17)
-    places = _within(path, t, rough)
-    bend = float(np.hypot(*np.diff(places, 2, axis=0).T).max())
-    # Of 16 chords, a second difference d means a sagitta of d / 8 each, less by the square of more.
-    count = 16 * int(np.ceil(np.sqrt(bend / 8.0 / STRAY))) if bend > STRAY else 1
-    times = np.linspace(0.0, 1.0, min(count, MOST) + 1)
-    return times, _within(path, t, times)
-
-
-def _within(path: Path, t: int, times: Array) -> Array:
-    """Places between two steps; the very end is the start of the next step."""
-    return path.at(t + np.minimum(times, 1.0))
-
-
-@dataclass(slots=True, eq=False)
-class Meeting:
-    """What a kind of judgement needs of a body, made once for steps that look alike."""
-
-    make: Callable[[Sequence[Any], Array], tuple[Any, Any]]
-    known: dict[tuple[int, bytes], tuple[Any, Any]] = field(default_factory=dict)
-
-    def of(self, parts: Sequence[Any], move: Array) -> tuple[Any, Any]:
-        """The geometry of these parts."""
-        key = (id(parts), move.tobytes())
-        if key not in self.known:
-            self.known[key] = self.make(parts, move)
-        return self.known[key]
+SURE = 2.0 * DISC
+"""What stays this far away is outside, whatever else is closed [m]."""
 
 
 def outside(chain: Chain, body: Body, space: Polytope | None = None) -> Extremum:
     """Euclidean distance to a body in each step (T+1,) [m]; negative: how deep inside.
 
-    With a workspace, what touches its border is closed there.
+    With a workspace, what touches its border is closed there. Exact in steps that come nearest of
+    all or near; in others it is a lower bound, within the sagitta of the rough chain.
     """
-    seen = Meeting(lambda parts, move: keep_out(parts, space, move))
-    rows = []
-    for t in range(len(chain.rows)):
-        stay = body.stay(t)
-        if stay is None:
-            rows.append(_sampled(chain, body, t))
-            continue
-        rows.append(of_step(chain, t, stay.parts, stay.move, seen))
-    values, where = np.array(rows).T
-    return Extremum(values, where)
+    value, where = chain.least(body) - body.grow, np.zeros(len(chain.rows))
+    known = np.where(np.isfinite(value), value + 2.0 * chain.stray, np.inf)
+    for t in np.flatnonzero(value <= max(SURE, float(known.min()))):
+        value[t], where[t] = _of_step(chain, int(t), body, space, bool(value[t] > SURE))
+    return Extremum(value, where)
 
 
-def of_step(
-    chain: Chain, t: int, parts: Sequence[Any], move: Array, seen: Meeting
+def _of_step(
+    chain: Chain, t: int, body: Body, space: Polytope | None, apart: bool
 ) -> tuple[float, float]:
-    """(distance or minus depth, time) from step t to the next, of polygons that move alike."""
+    """(distance or minus depth, time) from step t to the next."""
+    stay = body.stay(t)
+    if stay is None:
+        return _sampled(chain, body, t)
+    if apart:
+        return _away(*_nearest(chain, t, stay), stay.form.solid, body.grow)
+    return of_step(chain, t, stay, kept_out(stay, space))
+
+
+def of_step(chain: Chain, t: int, stay: Stay, out: Out) -> tuple[float, float]:
+    """(distance or minus depth, time) from step t to the next, of what moves as `stay` does."""
     times, places = chain.rows[t]
-    return _clear(times, places - times[:, None] * move, *seen.of(parts, move))
+    return _clear(times, places - stay.start - times[:, None] * stay.move, out)
+
+
+def _nearest(chain: Chain, t: int, stay: Stay) -> tuple[Array, Array]:
+    """The part of a step, as times and places relative to a form, that is nearest to it."""
+    import shapely
+
+    times, places = chain.rows[t]
+    relative = places - stay.start - times[:, None] * stay.move
+    each = (len(times) - 1) // CHORDS
+    if not each:
+        return times, relative
+    ends = relative[::each]
+    chords = shapely.linestrings(np.stack([ends[:-1], ends[1:]], axis=1))
+    far = shapely.distance(stay.form.solid, chords)
+    close = np.flatnonzero(far <= far.min() + 2.0 * chain.stray[t])
+    part = slice(int(close[0]) * each, (int(close[-1]) + 1) * each + 1)
+    return times[part], relative[part]
+
+
+def _away(times: Array, places: Array, solid: Any, grow: float) -> tuple[float, float]:
+    import shapely
+
+    between = shapely.shortest_line(_line(places), solid)
+    when = _when(times, places, shapely.get_coordinates(between)[0])
+    return float(between.length) - grow, when
 
 
 def inside(chain: Chain, body: Body) -> Extremum:
     """Distance to the border in each step (T+1,) [m] while inside; negative: how far outside."""
-    seen = Meeting(lambda parts, move: _stay_in(parts))
     rows = []
     for t, (times, places) in enumerate(chain.rows):
         stay = body.stay(t)
         if stay is None:
             rows.append(_sampled(chain, body, t, -1.0))
             continue
-        relative = places - times[:, None] * stay.move
-        rows.append(_held(times, relative, *seen.of(stay.parts, stay.move)))
+        relative = places - stay.start - times[:, None] * stay.move
+        rows.append(_held(times, relative, *_stayed_in(stay.form)))
     values, where = np.array(rows).T
     return Extremum(values, where)
 
 
-def _stay_in(parts: Sequence[Any]) -> tuple[Any, Any]:
+def _stayed_in(form: Form) -> tuple[Any, Any]:
+    """`_stay_in`, made once."""
+    if "in" not in form.made:
+        form.made["in"] = _stay_in(form)
+    made: tuple[Any, Any] = form.made["in"]
+    return made
+
+
+def _stay_in(form: Form) -> tuple[Any, Any]:
     """(where to be, by less than the tolerance, the closed union itself)."""
     import shapely
 
-    whole = closed_union(parts)
+    whole = closed_union(form.parts)
     room = whole.buffer(2.0 * TOUCH, join_style="mitre")
     shapely.prepare(room)
     return room, whole
@@ -137,13 +129,29 @@ def _held(times: Array, places: Array, room: Any, whole: Any) -> tuple[float, fl
     return -float(away.max()), _when(times, places, out[int(away.argmax())])
 
 
-def keep_out(
-    parts: Sequence[Any], space: Polytope | None, move: Array
-) -> tuple[Any, tuple[Any, Any]]:
-    """(what not to be in by more than the tolerance, (union with what is around, by itself))."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Out:
+    """What not to be in by more than the tolerance; the union with what is around; itself."""
+
+    core: Any
+    border: Any
+    solid: Any
+
+
+def kept_out(stay: Stay, space: Polytope | None) -> Out:
+    """`keep_out` of a body alone, made once."""
+    key = (space is None, stay.start.tobytes(), stay.move.tobytes())
+    if key not in stay.form.made:
+        stay.form.made[key] = keep_out(stay.form.parts, space, stay)
+    made: Out = stay.form.made[key]
+    return made
+
+
+def keep_out(parts: Sequence[Any], space: Polytope | None, stay: Stay) -> Out:
+    """Polygons to keep out of while they move; what lies beyond the workspace adds to them."""
     import shapely
 
-    past = beyond(space, move)
+    past = [moved(p, -stay.start) for p in beyond(space, stay.move)]
     whole, solid = closed_union(parts, past), closed_union(parts)
     core = whole.buffer(-2.0 * TOUCH, join_style="mitre")
     if past:
@@ -151,20 +159,19 @@ def keep_out(
         own = solid.buffer(-2.0 * TOUCH, join_style="mitre")
         core = shapely.union_all([shapely.difference(core, far), own])
     shapely.prepare(core)
-    return core, (whole, solid)
+    return Out(core, whole, solid)
 
 
-def _clear(times: Array, places: Array, core: Any, whole: tuple[Any, Any]) -> tuple[float, float]:
+def _clear(times: Array, places: Array, out: Out) -> tuple[float, float]:
     """(distance or minus depth, time) of one step."""
     import shapely
 
-    border, solid = whole
     line = _line(places)
-    if shapely.intersects(core, line):
-        met = _fine(shapely.intersection(line, core))
-        deep = shapely.distance(shapely.points(met), border.boundary)
+    if shapely.intersects(out.core, line):
+        met = _fine(shapely.intersection(line, out.core))
+        deep = shapely.distance(shapely.points(met), out.border.boundary)
         return -float(deep.max()), _when(times, places, met[int(deep.argmax())])
-    between = shapely.shortest_line(line, solid)
+    between = shapely.shortest_line(line, out.solid)
     return float(between.length), _when(times, places, shapely.get_coordinates(between)[0])
 
 

@@ -8,7 +8,7 @@ paths of integrators are exact.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -31,41 +31,12 @@ class Extremum:
     value: Array
     where: Array
 
-    def below(self, other: Extremum) -> Extremum:
-        """The lesser of two at each step."""
-        mine = self.value <= other.value
-        return Extremum(
-            np.where(mine, self.value, other.value), np.where(mine, self.where, other.where)
-        )
 
-
-def outside(path: Path, frames: Sequence[Sequence[Polytope]]) -> Extremum:
-    """min over time and pieces of the greatest face slack; frame t is judged from t to t + 1."""
-    best = _nothing(len(path.c0))
-    for rows, pieces in _frames(path, frames):
-        for piece in pieces:
-            found = extremum(*_slacks(path, rows, piece), lambda q: q.max(axis=-1))
-            best = best.below(_placed(len(path.c0), rows, found))
-    return by_step(path, best)
-
-
-def inside(path: Path, frames: Sequence[Sequence[Polytope]]) -> Extremum:
-    """min over time of the greatest, over pieces, of the least distance to a face's line."""
-    best = _nothing(len(path.c0))
-    for rows, pieces in _frames(path, frames):
-        parts = [_slacks(path, rows, piece) for piece in pieces]
-        stacked = [-np.concatenate([p[k] for p in parts], axis=1) for k in range(3)]
-        sizes = np.cumsum([len(piece.offsets) for piece in pieces])[:-1]
-
-        def best_piece(q: Array, sizes: NDArray[np.intp] = sizes) -> Array:
-            """Slack within the piece that has most of it: the least over a piece's faces, the
-            greatest over pieces."""
-            parts = [part.min(axis=-1) for part in np.split(q, sizes, axis=-1)]
-            return np.asarray(np.max(parts, axis=0), dtype=np.float64)
-
-        found = extremum(stacked[0], stacked[1], stacked[2], best_piece)
-        best = best.below(_placed(len(path.c0), rows, found))
-    return by_step(path, best)
+def inside(path: Path, piece: Polytope) -> Extremum:
+    """min over time of the least distance to a face's line, negative beyond it."""
+    faces = piece.normals.T
+    slacks = (piece.offsets - path.c0 @ faces, -(path.c1 @ faces), -(path.c2 @ faces))
+    return by_step(path, extremum(*slacks, lambda q: q.min(axis=-1)))
 
 
 def separation(relative: Path, distances: tuple[float, float]) -> Extremum:
@@ -107,32 +78,6 @@ def _length(path: Path, where: Array) -> Array:
     s = where[:, :, None]
     place = path.c0[:, None] + s * (path.c1[:, None] + s * path.c2[:, None])
     return np.asarray(np.linalg.norm(place, axis=2), dtype=np.float64)
-
-
-def _nothing(length: int) -> Extremum:
-    return Extremum(np.full(length, np.inf), np.zeros(length))
-
-
-def _frames(
-    path: Path, frames: Sequence[Sequence[Polytope]]
-) -> Iterator[tuple[slice, Sequence[Polytope]]]:
-    """Rows of a path and the pieces that are there; the last frame stays for ever."""
-    length, each = len(path), path.pieces
-    for index, pieces in enumerate(frames[:length]):
-        last = index == min(len(frames), length) - 1
-        yield slice(index * each, (length if last else index + 1) * each), pieces
-
-
-def _slacks(path: Path, rows: slice, piece: Polytope) -> tuple[Array, Array, Array]:
-    """Coefficients (rows, faces) of normal . p - offset."""
-    faces = piece.normals.T
-    return path.c0[rows] @ faces - piece.offsets, path.c1[rows] @ faces, path.c2[rows] @ faces
-
-
-def _placed(length: int, rows: slice, found: Extremum) -> Extremum:
-    out = _nothing(length)
-    out.value[rows], out.where[rows] = found.value, found.where
-    return out
 
 
 def extremum(q0: Array, q1: Array, q2: Array, combine: Combine) -> Extremum:

@@ -8,7 +8,8 @@ from itertools import combinations
 from stlc.channels import ChannelTables
 from stlc.mission import Mission
 from stlc.plan import Plan
-from stlc.verify.clearance import Chain, outside
+from stlc.verify.chains import Chain
+from stlc.verify.clearance import outside
 from stlc.verify.conditions import Motions
 from stlc.verify.continuous import Extremum, distance, separation
 from stlc.verify.links import CellModel, TrueModel, link_series
@@ -17,10 +18,10 @@ from stlc.verify.objective import objective_violations, term_reports, total
 from stlc.verify.paths import Path, is_known, placed, state_paths
 from stlc.verify.report import Clearance, Report
 from stlc.verify.requirements import SweptOverride, judge, position_findings, requirement_violations
-from stlc.verify.robustness import Trace
-from stlc.verify.shapes import obstacle_body
+from stlc.verify.shapes import Bodies
 from stlc.verify.subject import Subject, make_subject, stale
 from stlc.verify.together import passages
+from stlc.verify.trace import Trace
 from stlc.verify.workspace import workspace_notes, workspace_violations
 
 
@@ -45,7 +46,8 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
     states = state_paths(mission, plan.runs)
     motion = placed(mission, states)
     chains = {name: Chain.of(path) for name, path in motion.items()}
-    override = SweptOverride(mission, motion, chains, Motions(states, plan.runs))
+    bodies = Bodies(mission)
+    override = SweptOverride(mission, motion, chains, Motions(states, plan.runs), bodies)
     true_links = Trace(length, signals, true.robustness)
     requirements = judge(mission, sampled, true_links, override)
     terms = term_reports(subject, cells, sampled)
@@ -55,7 +57,7 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
         *motion_violations(subject),
         *workspace_violations(mission, motion),
         *requirement_violations(mission, requirements),
-        *passages(mission, chains),
+        *passages(mission, chains, bodies),
         *(v for rigorous, v in findings if rigorous),
         *objective_violations(plan.solve, objective, terms, mission.sense),
     ]
@@ -68,7 +70,7 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
         objective,
         terms,
         _residual(mission, plan),
-        tuple(_clearances(mission, motion, chains)),
+        tuple(_clearances(mission, motion, chains, bodies)),
         link_series(subject, cells, true),
         mission.sense,
     )
@@ -96,14 +98,14 @@ def _notes(subject: Subject, motion: Mapping[str, Path]) -> Iterator[str]:
 
 
 def _clearances(
-    mission: Mission, motion: Mapping[str, Path], chains: Mapping[str, Chain]
+    mission: Mission, motion: Mapping[str, Path], chains: Mapping[str, Chain], bodies: Bodies
 ) -> Iterator[Clearance]:
     """Closest approaches in continuous time to real obstacle bodies, buffers and other agents."""
     agents = [name for name in mission.agents if name in motion]
     for name in agents:
         for obstacle in mission.obstacles.values():
-            for what, grow in (("body", 0.0), ("buffer", obstacle.inflate)):
-                found = outside(chains[name], obstacle_body(obstacle, mission.step, grow))
+            for what in ("body", "buffer"):
+                found = outside(chains[name], bodies.of(obstacle.name, what == "buffer"))
                 yield _closest(what, name, obstacle.name, found, mission.step)
     for one, other in combinations(agents, 2):
         relative = motion[one].minus(motion[other])

@@ -13,8 +13,9 @@ from stlc.scales import static_range, steps_of
 from stlc.sense import Sense
 from stlc.verify.links import CellModel
 from stlc.verify.report import TermReport, Violation
-from stlc.verify.robustness import Evaluator, Trace
+from stlc.verify.robustness import Evaluator
 from stlc.verify.subject import Subject
+from stlc.verify.trace import Trace
 
 
 def term_reports(subject: Subject, cells: CellModel, trace: Trace) -> tuple[TermReport, ...]:

@@ -25,13 +25,15 @@ from stlc.ir.nodes import (
 from stlc.ir.requirement import Requirement
 from stlc.mission import Bound, Mission
 from stlc.verify import clearance
+from stlc.verify.chains import Chain
 from stlc.verify.conditions import Motions
 from stlc.verify.continuous import separation
 from stlc.verify.paths import Path
 from stlc.verify.report import RequirementReport, Violation
-from stlc.verify.robustness import Evaluator, Trace, unit
-from stlc.verify.shapes import Body, obstacle_body, region_body
+from stlc.verify.robustness import Evaluator, unit
+from stlc.verify.shapes import Bodies, Body
 from stlc.verify.subject import TOLERANCE, Array
+from stlc.verify.trace import Trace
 
 TRUE_SLACK = 1e-4
 """A rigorous cell bound may be missed by this much: a position counts as in a cell 1e-6 m away."""
@@ -79,13 +81,15 @@ class SweptOverride:
         self,
         mission: Mission,
         motion: Mapping[str, Path],
-        chains: Mapping[str, clearance.Chain],
+        chains: Mapping[str, Chain],
         motions: Motions,
+        bodies: Bodies,
     ) -> None:
         self._mission = mission
         self._motion = motion
         self._chains = chains
         self._motions = motions
+        self._bodies = bodies
 
     def __call__(self, node: Node) -> Array | None:
         swept = node.swept
@@ -97,9 +101,8 @@ class SweptOverride:
         return self._clearance(swept)[:-1] if self._known(swept) else None
 
     def _known(self, swept: Swept) -> bool:
-        places = self._mission.obstacles.keys() | self._mission.regions.keys()
         return {swept.agent, swept.other or swept.agent} <= self._motion.keys() and (
-            swept.place is None or swept.place in places
+            swept.place is None or swept.place in self._bodies
         )
 
     def _clearance(self, swept: Swept) -> Array:
@@ -119,10 +122,7 @@ class SweptOverride:
 
     def _body(self, swept: Swept) -> Body:
         assert swept.place is not None
-        obstacle = self._mission.obstacles.get(swept.place)
-        if obstacle is not None:
-            return obstacle_body(obstacle, self._mission.step, obstacle.inflate)
-        return region_body(self._mission.regions[swept.place], self._mission.step)
+        return self._bodies.of(swept.place)
 
 
 def requirement_violations(

@@ -13,8 +13,6 @@ f U[a,b] g = G[0,a] f and F[a,b] g and F[a,a] (f U g), which is exact for robust
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,41 +31,20 @@ from stlc.ir.nodes import (
     Or,
     Quantity,
     Release,
-    Role,
-    Signal,
     Timed,
     Until,
 )
 from stlc.ir.norms import Norms, Sum
-
-Array = NDArray[np.float64]
-LinkEvaluator = Callable[[Link, bool], Array]
+from stlc.verify.clocked import by_the_clock
+from stlc.verify.trace import Array, Trace
+from stlc.verify.windows import until, window_min
 
 TOLERANCE = 1e-6
 """A formula is satisfied when its robustness is at least its margin minus this."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Trace:
-    """A sampled run.
-
-    `length` steps; `signals[owner, role]` is (steps, width), indexed by `Signal.index` (inputs
-    have one row less than states). `link(predicate, positive)` gives the robustness of a link
-    predicate at steps 0..length-1, its `shift` left out; None when the run has no radio. What is
-    known as an interval is judged by its lower end where the predicate counts positively and by
-    its upper end under a negation, so that the robustness of the whole is a lower bound.
-    """
-
-    length: int
-    signals: Mapping[tuple[str, Role], Array] = field(default_factory=dict)
-    link: LinkEvaluator | None = None
-
-    def signal(self, signal: Signal) -> Array:
-        """Values from step `signal.shift` on. Raises KeyError for an unknown signal."""
-        return self.signals[signal.owner, signal.role][signal.shift :, signal.index]
-
-
 Judged = tuple[Node, bool]  # a node, and whether it counts positively
+Key = tuple[int, bool]
 Override = Callable[[Node], Array | None]
 
 
@@ -75,7 +52,7 @@ class Evaluator:
     """Judges formulas on one run; what was judged is kept, so shared parts are judged once.
 
     `override(node)` may give the robustness of a node in place of its definition (None: it
-    doesn't); it must depend on the node's structure and `swept` alone. `scales` divide the
+    doesn't); it must depend on the node's structure and claims alone. `scales` divide the
     robustness of predicates by unit.
     """
 
@@ -92,7 +69,8 @@ class Evaluator:
         self._override = override
         self._scales = dict(scales or {})
         self._number: dict[tuple[object, ...], int] = {}  # structure -> class of equal nodes
-        self._class: dict[tuple[int, bool], int] = {}  # id of a node, polarity -> its class
+        self._class: dict[Key, int] = {}  # id of a node, polarity -> its class
+        self._given: dict[int, Array | None] = {}  # id of a node -> what its parts aren't asked for
         self._values: list[Array] = []
         self._alive: list[Node] = []  # keeps the ids above valid
 
@@ -102,26 +80,44 @@ class Evaluator:
         Raises KeyError for a signal the run doesn't have, ValueError for a link predicate on a
         run without a radio.
         """
-        for part, positive in _postorder((node, True), self._class):
-            self._judge(part, positive)
-        return self._values[self._class[id(node), True]]
+        return self.judged(node)
+
+    def judged(self, node: Node, positive: bool = True) -> Array:
+        """Robustness of a part of a formula, by its polarity there."""
+        for part, sign in _postorder((node, positive), self._class, self._parts):
+            self._judge(part, sign)
+        return self._values[self._class[id(node), positive]]
+
+    def _parts(self, node: Node, positive: bool) -> tuple[Judged, ...]:
+        return () if self._known(node) is not None else _parts(node, positive)
+
+    def _known(self, node: Node) -> Array | None:
+        """The value of a node that doesn't come from those of its parts."""
+        if id(node) not in self._given:
+            self._alive.append(node)
+            value = self._override(node) if self._override else None
+            if value is None and isinstance(node, Timed):
+                value = by_the_clock(node.cases, self.trace, self._scaled)
+            self._given[id(node)] = value
+        return self._given[id(node)]
 
     def _judge(self, node: Node, positive: bool) -> None:
         # Hash-consing on the way: equality of deep nodes is recursive, equality of classes isn't.
+        given = self._known(node)
+        if given is not None:
+            self._class[id(node), positive] = len(self._values)
+            self._values.append(given)
+            return
         parts = [self._class[id(child), sign] for child, sign in _parts(node, positive)]
         own = tuple(k for k in node.key if not isinstance(k, Node))
-        key = (type(node), node.swept, node.norms, own, *parts, isinstance(node, Link) and positive)
+        key = (type(node), node.norms, own, *parts, isinstance(node, Link) and positive)
         number = self._number.get(key)
         if number is None:
             number = self._number[key] = len(self._values)
             self._values.append(self._value(node, parts, positive))
         self._class[id(node), positive] = number
-        self._alive.append(node)
 
     def _value(self, node: Node, parts: list[int], positive: bool) -> Array:
-        given = self._override(node) if self._override else None
-        if given is not None:
-            return given
         if node.norms is not None and not self._faces:
             return self._scaled(_lengths(node.norms, self.trace), node.norms.unit)
         value = _value(node, [self._values[k] for k in parts], self.trace, positive)
@@ -129,10 +125,6 @@ class Evaluator:
 
     def _scaled(self, value: Array, measured_in: str) -> Array:
         return np.asarray(value / self._scales.get(measured_in, 1.0)) if self._scales else value
-
-    def judged(self, node: Node, positive: bool = True) -> Array:
-        """Robustness of a part of a formula that was judged before, by its polarity there."""
-        return self._values[self._class[id(node), positive]]
 
 
 def _parts(node: Node, positive: bool) -> tuple[Judged, ...]:
@@ -166,7 +158,11 @@ def satisfaction(node: Node, trace: Trace, margin: float = 0.0) -> NDArray[np.bo
     return robustness(node, trace) >= margin - TOLERANCE
 
 
-def _postorder(root: Judged, done: Mapping[tuple[int, bool], int]) -> Iterator[Judged]:
+def _postorder(
+    root: Judged,
+    done: Mapping[Key, int],
+    parts: Callable[[Node, bool], tuple[Judged, ...]],
+) -> Iterator[Judged]:
     """Parts not in `done`, children first, without recursion."""
     todo: list[tuple[Judged, bool]] = [(root, False)]
     while todo:
@@ -177,7 +173,7 @@ def _postorder(root: Judged, done: Mapping[tuple[int, bool], int]) -> Iterator[J
             yield judged
             continue
         todo.append((judged, True))
-        todo.extend((part, False) for part in _parts(*judged))
+        todo.extend((part, False) for part in parts(*judged))
 
 
 def _value(node: Node, parts: list[Array], trace: Trace, positive: bool) -> Array:
@@ -269,44 +265,3 @@ def minimum(parts: list[Array], length: int) -> Array:
     for part in parts:
         np.minimum(total, part[:shortest], out=total)
     return total
-
-
-def window_min(values: Array, start: int, end: int | None) -> Array:
-    """min of values[t + start .. t + end]; `end` None reaches to the last value.
-
-    values (L,); returns (max(L - end, 0),), or (max(L - start, 0),) for an unbounded window.
-    """
-    if end is None:
-        return np.minimum.accumulate(values[::-1])[::-1][start:]
-    if len(values) <= end:
-        return np.empty(0)
-    out, width, wanted = values[start:], 1, end - start + 1
-    while 2 * width <= wanted:
-        out = np.minimum(out[:-width], out[width:])
-        width *= 2
-    rest = wanted - width
-    return np.minimum(out[: len(out) - rest], out[rest:])
-
-
-def until(left: Array, right: Array, start: int, end: int | None) -> Array:
-    """max over t' in [t+start, t+end] of min(right[t'], min(left[t..t'])): the paper's reading.
-
-    left, right (L,), cut to the shorter one; returns as many steps as `window_min` would.
-    """
-    left, right = _aligned(left, right)
-    held = _until_any(left, right)[start:]
-    if start:
-        held = np.minimum(held, window_min(left, 0, start))
-    if end is None:
-        return held
-    seen = -window_min(-right, start, end)
-    return np.minimum(held[: len(seen)], seen)
-
-
-def _until_any(left: Array, right: Array) -> Array:
-    """Unbounded until from each step: u(t) = min(left(t), max(right(t), u(t+1)))."""
-    out = np.minimum(left, right)
-    steps = range(len(out) - 1, -1, -1)
-    for later, step in pairwise(steps):
-        out[step] = min(left[step], max(right[step], out[later]))
-    return out

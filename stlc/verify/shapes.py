@@ -4,9 +4,8 @@ The encoder keeps out of convex pieces that semantic analysis cut. Nothing of th
 a fault in it shows. An obstacle is the union of its polygons, each grown by `inflate` metres in
 every direction (the Minkowski sum with a disc).
 
-Unions are closed: polygons within `TOUCH` of each other leave no way between them, nor does one so
-near the workspace's border. The union is grown by half of that and shrunk again, which fills slits
-and leaves the rest; where polygons meet in a point only, a disc of `DISC` closes it.
+Unions are closed (`unions.py`): polygons within a tolerance of each other leave no way between
+them, nor does one so near the workspace's border.
 """
 
 from __future__ import annotations
@@ -18,29 +17,52 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.mission import Obstacle, Outline, Polytope, Region, Track
+from stlc.mission import Mission, Obstacle, Outline, Polytope, Region, Track
 
 if TYPE_CHECKING:
     import shapely
 
 Array = NDArray[np.float64]
-
-TOUCH = 1e-6
-"""Polygons this near touch [m]: the tolerance of every judgement."""
-
-DISC = 5e-4
-"""Radius of what closes a contact in one point [m]."""
+Outlines = tuple[Outline, ...]
 
 ROUND = 64
 """Segments of a quarter circle, inscribed: 1e-4 of `inflate` short of the disc, never beyond."""
 
 
-@dataclass(frozen=True, slots=True)
-class Stay:
-    """Polygons of one step that move rigidly by `move` (2,) [m] until the next, grown already."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Form:
+    """Polygons at rest, grown, and the union of those in the file (`solid`)."""
 
-    parts: tuple[shapely.Polygon, ...]
+    parts: tuple[shapely.Geometry, ...]
+    solid: shapely.Geometry
+    made: dict[object, Any] = field(default_factory=dict)  # what judgements made of it
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stay:
+    """A form that is `start` (2,) [m] from its place at one step, and moves rigidly by `move` (2,)
+    until the next."""
+
+    form: Form
+    start: Array
     move: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Spell:
+    """Steps (n,) that a form spends moving by `move` (2,) each, from `starts` (n, 2) [m]."""
+
+    form: Form
+    steps: NDArray[np.intp]
+    starts: Array
+    move: Array
+
+    @classmethod
+    def of(cls, stays: Sequence[tuple[int, Stay]]) -> Spell:
+        """Of steps whose form and move are the same."""
+        steps = np.array([t for t, _ in stays], dtype=np.intp)
+        starts = np.array([stay.start for _, stay in stays])
+        return cls(stays[0][1].form, steps, starts, stays[0][1].move)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,32 +73,54 @@ class Body:
     step: float
     grow: float = 0.0
     _stays: dict[int, Stay | None] = field(default_factory=dict)
+    _forms: dict[Outlines, Form] = field(default_factory=dict)
+    _spells: dict[int, list[Spell]] = field(default_factory=dict)
 
     def stay(self, t: int) -> Stay | None:
         """The polygons between steps t and t + 1, or None where corners move unlike each other."""
-        key = self._key(t)
-        if key not in self._stays:
-            self._stays[key] = self._stay(t)
-        return self._stays[key]
+        if t not in self._stays:
+            self._stays[t] = self._stay(t)
+        return self._stays[t]
 
-    def _key(self, t: int) -> int:
-        """One key for all steps after the last frame of what stands still."""
-        still = self.track.velocity == (0.0, 0.0)
-        return min(t, self.track.frames[-1][0]) if still else t
+    def at(self, t: int) -> Stay:
+        """The polygons at step t."""
+        last, shape = self.track.frames[-1]
+        if t < last:
+            return Stay(self._form(self.outlines(float(t))), np.zeros(2), np.zeros(2))
+        step = np.array(self.track.velocity) * self.step
+        return Stay(self._form(shape), t * step, step)
+
+    def spells(self, count: int) -> list[Spell]:
+        """The steps below `count`, those of one form and move together."""
+        if count not in self._spells:
+            found: dict[tuple[int, bytes], list[tuple[int, Stay]]] = {}
+            for t in range(count):
+                stay = self.stay(t)
+                if stay is not None:
+                    key = id(stay.form), stay.move.tobytes()
+                    found.setdefault(key, []).append((t, stay))
+            self._spells[count] = [Spell.of(stays) for stays in found.values()]
+        return self._spells[count]
+
+    def _form(self, outlines: Outlines) -> Form:
+        if outlines not in self._forms:
+            self._forms[outlines] = _form(_polygons(outlines), self.grow)
+        return self._forms[outlines]
 
     def _stay(self, t: int) -> Stay | None:
+        rest = self.at(t)
+        if t >= self.track.frames[-1][0]:
+            return rest
         now, then = self.outlines(float(t)), self.outlines(float(t + 1))
         if not _alike(now, then):
-            import shapely
-
-            hull = shapely.convex_hull(shapely.union_all([*_polygons(now), *_polygons(then)]))
-            return Stay((_grown(hull, self.grow),), np.zeros(2))
+            hulls = _hulls(_polygons(now), _polygons(then))
+            return Stay(_form(hulls, self.grow), np.zeros(2), np.zeros(2))
         steps = _corners(then) - _corners(now)
         if np.ptp(steps, axis=0).max() > 1e-9 * max(1.0, float(np.abs(_corners(now)).max())):
             return None
-        return Stay(tuple(_grown(p, self.grow) for p in _polygons(now)), steps.mean(axis=0))
+        return Stay(rest.form, rest.start, steps.mean(axis=0))
 
-    def outlines(self, time: float) -> tuple[Outline, ...]:
+    def outlines(self, time: float) -> Outlines:
         """The polygons at a fractional step, corners moving straight from frame to frame."""
         frames = self.track.frames
         k = max(i for i, (step, _) in enumerate(frames) if step <= time)
@@ -100,6 +144,29 @@ class Body:
         return inside - self.grow
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Bodies:
+    """Every obstacle and region of a mission, each made once."""
+
+    mission: Mission
+    _known: dict[tuple[str, bool], Body] = field(default_factory=dict)
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.mission.obstacles or name in self.mission.regions
+
+    def of(self, name: str, inflated: bool = True) -> Body:
+        """The body of an obstacle or region."""
+        if (name, inflated) not in self._known:
+            self._known[name, inflated] = self._made(name, inflated)
+        return self._known[name, inflated]
+
+    def _made(self, name: str, inflated: bool) -> Body:
+        obstacle = self.mission.obstacles.get(name)
+        if obstacle is None:
+            return region_body(self.mission.regions[name], self.mission.step)
+        return obstacle_body(obstacle, self.mission.step, obstacle.inflate if inflated else 0.0)
+
+
 def obstacle_body(obstacle: Obstacle, step: float, grow: float) -> Body:
     """An obstacle as the file gives it, grown by `grow` [m]."""
     if obstacle.track is not None:
@@ -114,7 +181,7 @@ def region_body(region: Region, step: float) -> Body:
     return Body(Track(((0, outlines),)), step)
 
 
-def _from_pieces(pieces: Sequence[Polytope]) -> tuple[Outline, ...]:
+def _from_pieces(pieces: Sequence[Polytope]) -> Outlines:
     """Outlines of a mission that was made without a file."""
     return tuple(Outline(tuple((float(x), float(y)) for x, y in p.vertices)) for p in pieces)
 
@@ -133,7 +200,7 @@ def _map(outline: Outline, change: Any) -> Outline:
     return Outline(rings[0], tuple(rings[1:]))
 
 
-def _mixed(one: Sequence[Outline], other: Sequence[Outline], share: float) -> tuple[Outline, ...]:
+def _mixed(one: Sequence[Outline], other: Sequence[Outline], share: float) -> Outlines:
     found = []
     for a, b in zip(one, other, strict=True):
         ends = iter([p for ring in (b.ring, *b.holes) for p in ring])
@@ -151,60 +218,18 @@ def _polygons(outlines: Sequence[Outline]) -> list[shapely.Polygon]:
     return [shapely.Polygon(o.ring, o.holes) for o in outlines]
 
 
-def _grown(polygon: shapely.Geometry, by: float) -> Any:
-    return polygon.buffer(by, quad_segs=ROUND) if by else polygon
-
-
-# --- closed unions --------------------------------------------------------------------------------
-
-
-def beyond(space: Polytope | None, move: Array) -> list[Any]:
-    """What lies past each face of the workspace that things moving by `move` [m] don't leave."""
+def _hulls(now: Sequence[Any], then: Sequence[Any]) -> list[Any]:
+    """What polygons may cover on their way: each one's hull, or the hull of all if they change."""
     import shapely
 
-    if space is None:
-        return []
-    size = 4.0 * (float(np.ptp(space.vertices, axis=0).max()) + float(np.abs(move).max()))
-    found = []
-    for normal, start, end in _sides(space):
-        if abs(float(normal @ move)) <= TOUCH:
-            along = size * np.array([-normal[1], normal[0]])
-            ring = [start - along, end + along]
-            found.append(shapely.Polygon([*ring, *(p + size * normal for p in reversed(ring))]))
-    return found
+    pairs = zip(now, then, strict=True) if len(now) == len(then) else [(now, then)]
+    return [shapely.convex_hull(shapely.union_all(np.hstack(pair))) for pair in pairs]
 
 
-def _sides(space: Polytope) -> list[tuple[Array, Array, Array]]:
-    """(outward normal, start, end) of each side of a convex counter-clockwise ring."""
-    found = []
-    for start, end in zip(space.vertices, np.roll(space.vertices, -1, axis=0), strict=True):
-        along = (end - start) / np.hypot(*(end - start))
-        found.append((np.array([along[1], -along[0]]), start, end))
-    return found
-
-
-def closed_union(parts: Sequence[Any], around: Sequence[Any] = ()) -> Any:
-    """The union of polygons, and of those `around`, without slits and contacts in one point."""
+def _form(polygons: Sequence[Any], grow: float) -> Form:
     import shapely
 
-    half = TOUCH / 2.0
-    spread = [p.buffer(half, join_style="mitre") for p in (*parts, *around)]
-    whole = shapely.union_all(spread).buffer(-half, join_style="mitre")
-    discs = [shapely.Point(c).buffer(DISC) for c in _point_contacts(spread, len(parts))]
-    return shapely.union_all([whole, *discs]) if discs else whole
-
-
-def _point_contacts(spread: Sequence[Any], count: int) -> list[Array]:
-    """Middles of contacts in one point, of pairs with one of the first `count` at least."""
-    import shapely
-
-    tree = shapely.STRtree(spread)
-    found = []
-    for i, j in tree.query(spread[:count], predicate="intersects").T:
-        if i >= j and j < count:
-            continue
-        for part in shapely.get_parts(shapely.intersection(spread[i], spread[j])):
-            x0, y0, x1, y1 = part.bounds
-            if max(x1 - x0, y1 - y0) <= 2.0 * DISC:
-                found.append(np.array([(x0 + x1) / 2.0, (y0 + y1) / 2.0]))
-    return found
+    parts = [p.buffer(grow, quad_segs=ROUND) if grow else p for p in polygons]
+    solid = shapely.union_all(list(polygons))
+    shapely.prepare(solid)
+    return Form(tuple(parts), solid)

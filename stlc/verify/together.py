@@ -1,27 +1,37 @@
-"""Obstacles that touch: no agent that must keep out of both passes between them."""
+"""Obstacles that touch: no agent that must keep out of both passes between them.
+
+Obstacles that move alike are judged as one union, in their own frame; two that move differently by
+their union at each of `INSTANTS` times at which the agent is on the border of both.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
-from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stlc.ir.nodes import Always, And, Motion, Node
 from stlc.mission import Mission
-from stlc.verify.clearance import Chain, Meeting, keep_out, of_step
+from stlc.verify.chains import Chain
+from stlc.verify.clearance import INSTANTS, SURE, keep_out, kept_out, of_step
 from stlc.verify.report import Violation
-from stlc.verify.shapes import TOUCH, Body, Stay, obstacle_body
+from stlc.verify.shapes import Array, Bodies, Stay
 from stlc.verify.subject import TOLERANCE
+from stlc.verify.unions import TOUCH, closed_union, moved
+
+Found = tuple[float, float]
+"""Minus the depth [m], and the time within the step."""
 
 
-def passages(mission: Mission, chains: Mapping[str, Chain]) -> Iterator[Violation]:
+def passages(mission: Mission, chains: Mapping[str, Chain], bodies: Bodies) -> Iterator[Violation]:
     """Motions through the seam of obstacles that an agent must keep out of at the same time."""
+    joints: dict[tuple[int, ...], list[str]] = {}
     for name, places in _avoided(mission).items():
         if name in chains:
-            yield from _Passages(mission, name, chains[name]).found(places)
+            yield from _Passages(mission, name, chains[name], bodies, joints).found(places)
 
 
 def _avoided(mission: Mission) -> dict[str, list[set[str]]]:
@@ -55,46 +65,89 @@ class _Passages:
     mission: Mission
     agent: str
     chain: Chain
-    bodies: dict[str, Body] = field(default_factory=dict)
-    unions: dict[tuple[int, ...], list[Any]] = field(default_factory=dict)
+    bodies: Bodies
+    joints: dict[tuple[int, ...], list[str]] = field(default_factory=dict)
 
     def found(self, places: Sequence[set[str]]) -> Iterator[Violation]:
         """One violation for each step that passes between obstacles but into none of them."""
-        space = self.mission.workspace
-        seen = Meeting(lambda parts, move: keep_out(parts, space, move))
-        for t, names in enumerate(places):
-            for group in self._groups(t, sorted(names)):
-                parts, move = self._touching(group), next(iter(group.values())).move
-                if not parts or _enters_one(self.chain, t, group, seen):
-                    continue
-                value, when = of_step(self.chain, t, parts, move, seen)
-                if value < -TOLERANCE:
-                    yield self._violation(group, value, t + when)
+        for t, names in self._near(places):
+            stays = {n: s for n in names if (s := self.bodies.of(n).stay(t)) is not None}
+            found = self._worst(t, stays) if len(stays) > 1 else None
+            if found is None or self._enters_one(t, stays):
+                continue
+            group, (value, when) = found
+            yield self._violation(group, value, t + when)
 
-    def _groups(self, t: int, names: Sequence[str]) -> list[dict[str, Stay]]:
-        """Obstacles that move alike after a step."""
-        groups: dict[bytes, dict[str, Stay]] = {}
-        for name in names:
-            obstacle, step = self.mission.obstacles[name], self.mission.step
-            if name not in self.bodies:
-                self.bodies[name] = obstacle_body(obstacle, step, obstacle.inflate)
-            stay = self.bodies[name].stay(t)
-            if stay is not None:
-                groups.setdefault(np.round(stay.move, 9).tobytes(), {})[name] = stay
-        return [g for g in groups.values() if len(g) > 1]
+    def _near(self, places: Sequence[set[str]]) -> Iterator[tuple[int, list[str]]]:
+        """Steps that come near two obstacles or more, and which."""
+        names = sorted(set().union(*places))
+        if len(names) < 2:
+            return
+        bodies = [self.bodies.of(name) for name in names]
+        low = np.stack([self.chain.least(b)[: len(places)] - b.grow for b in bodies])
+        asked = np.array([[name in at for at in places] for name in names])
+        near = asked & (low <= SURE)
+        for t in np.flatnonzero(near.sum(axis=0) > 1):
+            yield int(t), [names[k] for k in np.flatnonzero(near[:, t])]
 
-    def _touching(self, group: Mapping[str, Stay]) -> list[Any]:
-        """Polygons of obstacles that touch another; none if all are apart."""
+    def _worst(self, t: int, stays: Mapping[str, Stay]) -> tuple[Sequence[str], Found] | None:
+        """The obstacles that are passed between, and how deep within their union."""
+        alike: dict[bytes, dict[str, Stay]] = {}
+        for name, stay in stays.items():
+            alike.setdefault(np.round(stay.move, 9).tobytes(), {})[name] = stay
+        found: list[tuple[Sequence[str], Found]] = []
+        for group in alike.values():
+            touching = self._touching(group)
+            if touching:
+                found.append((touching, self._union(t, [group[n] for n in touching])))
+        for one, other in combinations(alike.values(), 2):
+            for a, b in ((a, b) for a in one for b in other):
+                found.append(((a, b), self._between(t, one[a], other[b])))
+        passed = [item for item in found if item[1][0] < -TOLERANCE]
+        return min(passed, key=lambda item: item[1][0], default=None)
+
+    def _union(self, t: int, stays: Sequence[Stay]) -> Found:
+        """Through the union of obstacles that move alike."""
+        first = stays[0]
+        parts = [moved(p, s.start - first.start) for s in stays for p in s.form.parts]
+        return of_step(self.chain, t, first, keep_out(parts, self.mission.workspace, first))
+
+    def _between(self, t: int, one: Stay, other: Stay) -> Found:
+        """Through the seam of two obstacles that move differently."""
+        import shapely
+
+        times = np.linspace(0.0, 1.0, INSTANTS)
+        at, (fine, places) = np.empty((INSTANTS, 2)), self.chain.rows[t]
+        for axis in (0, 1):
+            at[:, axis] = np.interp(times, fine, places[:, axis])
+        worst = (0.0, 0.0)
+        for k in np.flatnonzero(_on_border(at, times, one) & _on_border(at, times, other)):
+            parts = [
+                moved(p, s.start + times[k] * s.move) for s in (one, other) for p in s.form.parts
+            ]
+            union, point = closed_union(parts), shapely.Point(at[k])
+            if shapely.contains(union, point):
+                worst = min(worst, (-float(union.boundary.distance(point)), float(times[k])))
+        return worst
+
+    def _touching(self, group: Mapping[str, Stay]) -> list[str]:
+        """Obstacles that touch another at the start of a step."""
         key = tuple(id(stay) for stay in group.values())
-        if key not in self.unions:
+        if key not in self.joints:
             near = set()
             for one, other in combinations(group, 2):
                 if _distance(group[one], group[other]) <= TOUCH:
                     near |= {one, other}
-            self.unions[key] = [p for name in near for p in group[name].parts]
-        return self.unions[key]
+            self.joints[key] = sorted(near)
+        return self.joints[key]
 
-    def _violation(self, group: Mapping[str, Stay], value: float, time: float) -> Violation:
+    def _enters_one(self, t: int, stays: Mapping[str, Stay]) -> bool:
+        """Whether an obstacle alone is entered, which its own requirement tells."""
+        space = self.mission.workspace
+        clear = (of_step(self.chain, t, s, kept_out(s, space))[0] for s in stays.values())
+        return any(value < -TOLERANCE for value in clear)
+
+    def _violation(self, group: Sequence[str], value: float, time: float) -> Violation:
         seconds = time * self.mission.step
         text = (
             f"{self.agent} passes between {' and '.join(group)}, which touch, "
@@ -103,13 +156,17 @@ class _Passages:
         return Violation("swept", text, -value, time, self.agent, None)
 
 
+def _on_border(at: Array, times: Array, stay: Stay) -> NDArray[np.bool_]:
+    """Whether places at some times of a step are on the border of an obstacle, or as good as."""
+    import shapely
+
+    points = shapely.points(at - stay.start - times[:, None] * stay.move)
+    whole = shapely.union_all(list(stay.form.parts))
+    return np.asarray(shapely.distance(whole.boundary, points) <= 2.0 * TOUCH)
+
+
 def _distance(one: Stay, other: Stay) -> float:
     import shapely
 
-    return float(shapely.distance(*(shapely.union_all(list(s.parts)) for s in (one, other))))
-
-
-def _enters_one(chain: Chain, t: int, group: Mapping[str, Stay], seen: Meeting) -> bool:
-    """Whether an obstacle alone is entered, which its own requirement tells."""
-    clear = (of_step(chain, t, s.parts, s.move, seen)[0] for s in group.values())
-    return any(value < -TOLERANCE for value in clear)
+    shapes = (moved(shapely.union_all(list(s.form.parts)), s.start) for s in (one, other))
+    return float(shapely.distance(*shapes))

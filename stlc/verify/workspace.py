@@ -44,7 +44,7 @@ def _excursions(
         return
     for name in mission.agents:
         if name in motion:
-            found = inside(motion[name], ((space,),)) if swept else _at_steps(motion[name], space)
+            found = inside(motion[name], space) if swept else _at_steps(motion[name], space)
             row = int(found.value.argmin())
             out = -float(found.value[row])
             if not out <= TOLERANCE:

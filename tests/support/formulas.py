@@ -22,7 +22,7 @@ from stlc.ir.nodes import (
     Timed,
     Until,
 )
-from stlc.verify.robustness import Trace
+from stlc.verify.trace import Trace
 
 NAMES = ("x", "y")
 LENGTH = 24

@@ -29,7 +29,8 @@ from stlc.ir.requirement import Requirement
 from stlc.mission import Agent, Dynamics, Mission, ObjectiveTerm, TermKind
 from stlc.source import Source
 from stlc.trajectories import Trajectories
-from stlc.verify.robustness import Trace, robustness
+from stlc.verify.robustness import robustness
+from stlc.verify.trace import Trace
 
 SINGLE = (np.array([[1.0]]), np.array([[1.0]]))
 DOUBLE = (np.array([[1.0, 1.0], [0.0, 1.0]]), np.array([[0.0], [1.0]]))

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from support.missions import agent, box, roll
+from support.missions import agent, roll
 
 from stlc.mission import Dynamics, Polytope
 from stlc.plan import Run
-from stlc.verify.continuous import distance, inside, outside, separation
+from stlc.verify.continuous import distance, inside, separation
 from stlc.verify.paths import Path, path_of
 
 coarse = st.integers(-12, 12).map(lambda k: k / 4)
@@ -41,24 +41,13 @@ def agrees(found, row, sampled):
 
 
 @given(motions)
-def test_outside_is_the_least_of_the_greatest_slack(path):
-    frames = ((triangle(), box(-1, 0, -2, 1)),)
-    found = outside(path, frames)
+def test_inside_is_the_least_distance_to_a_face(path):
+    found = inside(path, triangle())
     for row in range(3):
-        slack = [face_slacks(path, row, p).max(axis=1) for p in frames[0]]
-        agrees(found, row, np.min(slack, axis=0))
+        agrees(found, row, -face_slacks(path, row, triangle()).max(axis=1))
         at = path.at(np.array([row + min(found.where[row], 1 - 1e-12)]))[0]
-        there = min((p.normals @ at - p.offsets).max() for p in frames[0])
+        there = -(triangle().normals @ at - triangle().offsets).max()
         assert there == pytest.approx(found.value[row], abs=1e-6)
-
-
-@given(motions)
-def test_inside_takes_the_best_piece_at_each_time(path):
-    frames = ((triangle(), box(-1, 0, -2, 1)),)
-    found = inside(path, frames)
-    for row in range(3):
-        depth = [-face_slacks(path, row, p).max(axis=1) for p in frames[0]]
-        agrees(found, row, np.max(depth, axis=0))
 
 
 @given(motions, st.tuples(st.sampled_from([0.0, 0.5]), st.sampled_from([0.0, 1.0])))
@@ -74,12 +63,6 @@ def test_distance(path):
     for row in range(3):
         sampled = np.linalg.norm(samples(path, row), axis=1)
         assert sampled.min() - 0.01 <= found.value[row] <= sampled.min() + 1e-6
-
-
-def test_frames_follow_the_clock_and_the_last_one_stays():
-    still = Path(np.zeros((4, 2)), np.zeros((4, 2)), np.zeros((4, 2)))
-    frames = ((box(1, 2, 1, 2),), (box(3, 4, 0, 1),))
-    assert outside(still, frames).value.tolist() == [1.0, 3.0, 3.0, 3.0]
 
 
 def test_double_integrator_moves_on_parabolas():

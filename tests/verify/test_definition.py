@@ -21,7 +21,9 @@ from stlc.ir.nodes import (
     Timed,
     Until,
 )
-from stlc.verify.robustness import Evaluator, Trace, robustness, satisfaction, until, window_min
+from stlc.verify.robustness import Evaluator, robustness, satisfaction
+from stlc.verify.trace import Trace
+from stlc.verify.windows import until, window_min
 
 
 @given(formulas(until=True, unbounded=True, timed=True), traces)

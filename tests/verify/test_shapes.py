@@ -107,3 +107,20 @@ def test_staying_in_a_region_is_judged_by_its_corners(
     held = Always(Const(True, swept=Swept(Motion.INSIDE, "r", place="ell")), 0, None)
     requirement = dataclasses.replace(mission.requirements[0], formula=held)
     assert verify(dataclasses.replace(mission, requirements=(requirement,)), plan).ok is good
+
+
+def test_a_far_body_is_judged_like_a_near_one() -> None:
+    """The rough chain only saves work: distances are those to the corners, in the nearest step."""
+    mission, plan = judged("obstacle w = box [4, 6] x [4, 6] inflate 0.5 m", (1, 1), (1, 9), (9, 9))
+    found = {c.what: c for c in verify(mission, plan).clearances}
+    assert found["body"].value == pytest.approx(3.0, abs=1e-9)
+    assert found["buffer"].value == pytest.approx(2.5, abs=1e-9)
+    assert found["body"].time == pytest.approx(0.375, abs=0.13)
+
+
+@pytest.mark.parametrize(("lane", "good"), [(2.0, False), (2.1, True)])
+def test_no_way_between_a_wall_and_what_drives_along_it(lane: float, good: bool) -> None:
+    moving = f"obstacle w = box [0, 10] x [0, 2]\nobstacle t = box [2, 6] x [{lane}, 4] "
+    found = breaks(moving + "velocity (0.5, 0)", (1, 2), (8, 2))
+    assert bool(found) is not good
+    assert good or "passes between t and w, which touch" in found

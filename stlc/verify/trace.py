@@ -1,0 +1,34 @@
+"""A sampled run, as formulas are judged on it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.ir.nodes import Link, Role, Signal
+
+Array = NDArray[np.float64]
+LinkEvaluator = Callable[[Link, bool], Array]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trace:
+    """A sampled run.
+
+    `length` steps; `signals[owner, role]` is (steps, width), indexed by `Signal.index` (inputs
+    have one row less than states). `link(predicate, positive)` gives the robustness of a link
+    predicate at steps 0..length-1, its `shift` left out; None when the run has no radio. What is
+    known as an interval is judged by its lower end where the predicate counts positively and by
+    its upper end under a negation, so that the robustness of the whole is a lower bound.
+    """
+
+    length: int
+    signals: Mapping[tuple[str, Role], Array] = field(default_factory=dict)
+    link: LinkEvaluator | None = None
+
+    def signal(self, signal: Signal) -> Array:
+        """Values from step `signal.shift` on. Raises KeyError for an unknown signal."""
+        return self.signals[signal.owner, signal.role][signal.shift :, signal.index]
