@@ -2,7 +2,9 @@
 
 `a outside p and a outside q` holds on a common border of p and q. Where both must hold at a step,
 so must `a outside` each plug over a contact of the two (`seams.plugs_between`). A plug lies within
-p and q, so it forbids nothing but the seam; a contact in one point takes a square of 2 mm. Two
+p and q, so it forbids nothing but the seam; a contact in one point takes a square of 2 mm. Where
+the two move differently, one plug goes with p over what q covers all the time until the next step,
+and one with q: together they cover a contact no shorter than what one moves past the other. Two
 obstacles count together where a conjunction demands both: that of all requirements, `and`,
 `forall`, with the windows of `always` intersected. Formulas under a negation are left alone.
 """
@@ -14,16 +16,21 @@ from dataclasses import dataclass, field, replace
 from itertools import combinations
 from math import inf
 
+import numpy as np
+
 from stlc.ir.nodes import Always, And, Eventually, Implies, Node, Or, Release, Until
 from stlc.ir.requirement import Requirement
 from stlc.ir.rewrite import with_children
-from stlc.mission import Polytope, Sweep
+from stlc.mission import Sweep
 from stlc.sema.members import point
 from stlc.sema.membership import keep
 from stlc.sema.scope import Scope
 from stlc.sema.seams import plugs_between
+from stlc.sema.tracks import lasting
 from stlc.sema.values import Place, Radio
 from stlc.source import Span
+
+Sweeps = tuple[Sweep, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +78,7 @@ class _Joints:
     scope: Scope
     known: dict[Node, _Avoided]
     done: dict[Node, Node] = field(default_factory=dict)
-    plugs: dict[tuple[int, int, bool], tuple[Sweep, ...]] = field(default_factory=dict)
+    plugs: dict[tuple[int, int, bool], list[Sweeps]] = field(default_factory=dict)
 
     def closed(self, node: Node) -> Node:
         """The formula with plugs in every conjunction that demands two touching places."""
@@ -122,31 +129,40 @@ class _Joints:
             return None
         swept = a.swept and b.swept
         plugs = self._plugs(a.place, b.place, swept)
-        if not any(stay.pieces for stay in plugs):
+        if not plugs:
             return None
         span = b.span or a.span
         assert span is not None, "a condition of the file has its place in it"
-        node = keep(point(a.agent, span), plugs, False, swept, self.scope, span)
+        where = point(a.agent, span)
+        parts = tuple(keep(where, sweeps, False, swept, self.scope, span) for sweeps in plugs)
+        node = parts[0] if len(parts) == 1 else And(parts, span=span)
         if start == end == 0.0:
             return node
         return Always(node, int(start), None if end == inf else int(end), span=span)
 
-    def _plugs(self, a: Place, b: Place, swept: bool) -> tuple[Sweep, ...]:
+    def _plugs(self, a: Place, b: Place, swept: bool) -> list[Sweeps]:
         key = (id(a.shape), id(b.shape), swept)
         if key not in self.plugs:
             self.plugs[key] = _plugs(a, b, swept)
         return self.plugs[key]
 
 
-def _plugs(a: Place, b: Place, swept: bool) -> tuple[Sweep, ...]:
-    """Plugs at each step; between steps only where the two move alike."""
+def _plugs(a: Place, b: Place, swept: bool) -> list[Sweeps]:
+    """Plugs at each step, in the frame of either where the two move differently until the next."""
     one, other = (
         p.sweeps if swept else tuple(Sweep(pieces) for pieces in p.barriers) for p in (a, b)
     )
     found = []
     for t in range(max(len(one), len(other))):
         x, y = one[min(t, len(one) - 1)], other[min(t, len(other) - 1)]
-        alike = all(abs(m - n) <= 1e-9 for m, n in zip(x.move, y.move, strict=True))
-        pieces: tuple[Polytope, ...] = plugs_between(x.pieces, y.pieces) if alike else ()
-        found.append(Sweep(pieces, x.move))
-    return tuple(found)
+        if np.abs(np.subtract(x.move, y.move)).max() <= 1e-9:
+            found.append((Sweep(plugs_between(x.pieces, y.pieces), x.move), Sweep(())))
+        else:
+            found.append((_carried(x, y), _carried(y, x)))
+    return [sweeps for sweeps in zip(*found, strict=True) if any(s.pieces for s in sweeps)]
+
+
+def _carried(one: Sweep, other: Sweep) -> Sweep:
+    """Plugs that move with the first, over what stays in contact until the next step."""
+    away = np.subtract(other.move, one.move)
+    return Sweep(plugs_between(one.pieces, lasting(other.pieces, away)), one.move)

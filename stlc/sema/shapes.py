@@ -175,7 +175,7 @@ class Shaper:
             statement.name.span,
             track,
             tuple(seams.closed(frame, space) for frame in frames),
-            tracks.sweeps(outlines, frames, space),
+            tracks.sweeps(outlines, frames, grow, space),
         )
         self.scope.obstacles[name] = obstacle
         self.scope.values[name] = Place(obstacle)

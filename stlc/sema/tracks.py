@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from stlc.arrays import Floats
 from stlc.mission import Outline, Polytope, Sweep, Track
-from stlc.sema.geometry import Point, polytope, simplified
+from stlc.sema.geometry import Point, inflated, polytope, simplified
 from stlc.sema.seams import closed
 
 Pieces = tuple[Polytope, ...]
@@ -92,29 +93,50 @@ def translated(piece: Polytope, by: Point) -> Polytope:
     return Polytope(piece.normals, piece.offsets + piece.normals @ step, piece.vertices + step)
 
 
+def lasting(pieces: Sequence[Polytope], move: Floats) -> list[Polytope]:
+    """What the pieces cover all the time while they move by `move` (2,) [m]."""
+    import shapely
+
+    found = []
+    for piece in pieces:
+        ends = (shapely.Polygon(piece.vertices + by) for by in (0.0 * move, move))
+        core = shapely.intersection(*ends)
+        if core.geom_type == "Polygon" and core.area > 0.0:
+            ring = simplified([(float(x), float(y)) for x, y in core.exterior.coords[:-1]])
+            found.append(polytope(ring))
+    return found
+
+
 def sweeps(
-    outlines: Sequence[tuple[Outline, ...]], frames: Sequence[Pieces], space: Polytope | None
+    outlines: Sequence[tuple[Outline, ...]],
+    frames: Sequence[Pieces],
+    grow: float,
+    space: Polytope | None,
 ) -> tuple[Sweep, ...]:
     """What to keep out of after each step; at the last the obstacle rests.
 
     A shape that keeps its form moves with its pieces, exactly. Any other is within the convex
-    hulls of its polygons at both ends, corners moving straight; where the polygons have no match,
-    within the hull of all.
+    hulls of each of its polygons at both ends, corners moving straight; where there are not as many
+    polygons, within the hull of all.
     """
     found = []
     for t in range(len(frames) - 1):
         by = move(outlines[t], outlines[t + 1])
         if by is None:
-            found.append(Sweep(closed(_hulls(frames[t], frames[t + 1]), space)))
+            found.append(Sweep(closed(_hulls(outlines[t], outlines[t + 1], grow), space)))
         else:
             found.append(Sweep(closed(frames[t], space, by), by))
     return (*found, Sweep(closed(frames[-1], space)))
 
 
-def _hulls(one: Pieces, other: Pieces) -> Pieces:
+def _hulls(one: Sequence[Outline], other: Sequence[Outline], grow: float) -> Pieces:
+    """The hull of each polygon at both ends, or of all if there are not as many, grown [m]."""
     import shapely
 
-    points = np.vstack([p.vertices for p in (*one, *other)])
-    hull = shapely.convex_hull(shapely.MultiPoint(points))
-    ring = [(float(x), float(y)) for x, y in hull.exterior.coords[:-1]]
-    return (polytope(simplified(ring)),)
+    pairs = [[a, b] for a, b in zip(one, other, strict=False)]
+    found = []
+    for group in pairs if len(one) == len(other) else [[*one, *other]]:
+        hull = shapely.convex_hull(shapely.MultiPoint([p for o in group for p in o.ring]))
+        ring = [(float(x), float(y)) for x, y in hull.exterior.coords[:-1]]
+        found.append(inflated(polytope(simplified(ring)), grow))
+    return tuple(found)

@@ -90,3 +90,41 @@ def test_linear_needs_as_many_corners() -> None:
     text = "moving { 0: box [0, 1] x [0, 1]; 2: polygon (1, 1) (2, 1) (2, 2) } linear"
     with pytest.raises(MissionError, match="number of corners"):
         mission(text)
+
+
+ALONG = """
+step 1 s
+workspace box [0, 10] x [0, 10]
+agent r : single_integrator {{ start (0.1, 2.1); control |u| <= 1.2 }}
+obstacle wall = box [0, 10] x [0, 2]
+obstacle truck = box [2, 6] x [{lane}, 10] velocity (0.1, 0)
+require clear: always[0, 8] (r outside wall swept and r outside truck swept)
+require reach: eventually[0, 8] r.x >= 7 m
+minimize effort
+"""
+
+
+def test_no_way_between_a_wall_and_a_truck_that_drives_along_it() -> None:
+    with pytest.raises(InfeasibleError):
+        solve(loads(ALONG.format(lane=2)), SolveSettings(threads=1))
+    assert solve(loads(ALONG.format(lane=2.2)), SolveSettings(threads=1)).report.ok
+
+
+CHANGING = """
+step 1 s
+horizon 1
+workspace box [0, 10] x [0, 10]
+agent r : single_integrator { start (5, 5); control |u| <= 0.1 }
+obstacle two = moving {
+  0: box [1, 2] x [1, 2] + box [8, 9] x [8, 9]
+  1: polygon (1, 1) (3, 1) (3, 2) (2, 3) (1, 2) + box [8, 9] x [8, 9.5]
+}
+require clear: always r outside two swept
+"""
+
+
+def test_what_changes_its_corners_takes_up_the_hull_of_each_polygon() -> None:
+    """Not the hull of the whole, which would hold the way between its polygons."""
+    assert solve(loads(CHANGING), SolveSettings(threads=1)).report.ok
+    with pytest.raises(MissionError, match="E0406"):
+        loads(CHANGING.replace("start (5, 5)", "start (1.5, 1.5)"))
