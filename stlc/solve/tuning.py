@@ -90,4 +90,27 @@ class Join:
     rough: float = 0.05  # gap of a run that will be bettered later
 
 
+@dataclass(frozen=True, slots=True)
+class Route:
+    """`routes/`: runs by beams over states and progress, plans near them."""
+
+    glance: float = 1.0  # s of a plain solve ahead of it all
+    share: float = 0.2  # of the time that is left: for the glance, for a first plan
+    seconds: float = 20.0  # for a first plan
+    efforts: tuple[tuple[int, int, float, float], ...] = (
+        (1500, 2, 0.0, 1.0), (1500, 2, 0.0, 3.0), (1500, 3, 0.0, 1.0), (2000, 6, 0.2, 1.0),
+        (1500, 2, 0.3, 3.0), (3000, 4, 0.2, 3.0), (8000, 2, 0.0, 2.0), (8000, 4, 0.2, 2.0),
+    )  # width, parts, miss, greed  # fmt: skip
+    repair: tuple[float, ...] = (0.6, 2.0)  # cells: radius of a tube around a run
+    repair_seconds: float = 3.0
+    rough: float = 0.05  # gap of a repair
+    better_share: float = 0.25  # of the time that is left
+    better_seconds: float = 15.0
+    tube_seconds: float = 3.0
+    first_radius: float = 0.05  # of the workspace
+    least_radius: float = 0.01
+    wider: float = 1.6
+
+
 BRIEF, PAIR, TEAM, DIVE, LONE, JOIN = Brief(), Pair(), Team(), Dive(), Lone(), Join()
+ROUTES = Route()
