@@ -50,7 +50,7 @@ MAY: Mapping[str, set[str]] = {
     "monitor": {"ir", "mission", "verify", "recording"},
     "solve": {
         "ir", "radio", "mission", "channels", "scales", "analysis", "passes", "milp", "backends",
-        "plan", "verify",
+        "plan", "verify", "trajectories",
     },
     "explain": {"ir", "mission", "backends", "solve"},
     "plot": {"ir", "radio", "mission", "channels", "plan", "verify"},

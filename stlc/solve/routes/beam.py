@@ -9,7 +9,7 @@ each progress apart. Moves are exact, so what comes out is a run of the mission,
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -17,10 +17,11 @@ import numpy as np
 from stlc.analysis.ranges import Ranges
 from stlc.arrays import Bools, Floats, Ints
 from stlc.ir.nodes import Linear, Node, Role, walk
-from stlc.milp.polygons import polygon_normals
-from stlc.mission import Agent, Mission, NormBound, PolygonKind
+from stlc.mission import Agent, Mission
+from stlc.solve.routes.agenda import Agenda
+from stlc.solve.routes.controls import TOUCH, control_set, within_norm
 from stlc.solve.routes.moves import Judge, Moves
-from stlc.solve.routes.places import Places, Window
+from stlc.solve.routes.places import Places
 from stlc.solve.routes.progress import Open, Progress
 
 Run = tuple[Floats, Floats]
@@ -28,8 +29,6 @@ Run = tuple[Floats, Floats]
 CostOf = Callable[[int, Floats, Floats], Floats]
 """Cost (N,) of a step's states (N, n) after it and inputs (N, m)."""
 
-_TOUCH = 1e-9
-_FINE = (96, 24)  # cells of the positions, and of any other state, over its range
 _WAIT = 0.25  # of the way of a step: what a step of staying counts
 _RIVALS = 12  # cheaper states of a cell that each is compared with
 _REACH = 1.05  # grid ways are up to so much longer than the shortest; also one cell is allowed
@@ -46,16 +45,6 @@ class Layer:
     cost: Floats
     parent: Ints
     inputs: Floats
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Agenda:
-    """due (k, places): by when each progress has to be at each place, infinite for need not;
-    since (places,): from when on it counts; stays (k,): steps that obligations still last."""
-
-    due: Floats
-    since: Floats
-    stays: Floats
 
 
 @dataclass(slots=True, eq=False)
@@ -133,8 +122,9 @@ class Beam:
 
     def _allowed_controls(self, t: int) -> Floats:
         """Those within the bounds of the step, and what is asserted of inputs alone."""
-        u, low, high = self._controls, self.ranges.input_lower[t - 1], self.ranges.input_upper[t - 1]
-        u = u[((u >= low - _TOUCH) & (u <= high + _TOUCH)).all(axis=1)]
+        low, high = self.ranges.input_lower[t - 1] - TOUCH, self.ranges.input_upper[t - 1] + TOUCH
+        u = self._controls
+        u = u[((u >= low) & (u <= high)).all(axis=1)]
         blank = np.full((len(u), len(self.agent.start)), np.nan)
         moves = Moves(self.agent.name, t, blank, u, blank)
         fine = np.ones(len(u), bool)
@@ -142,7 +132,7 @@ class Beam:
             atom = self.progress.atoms[number]
             if _of_inputs(atom.node, self.agent.name):
                 fine &= self.judge.holds(atom.node, atom.source, moves, {})
-        return u[fine]
+        return np.asarray(u[fine])
 
     def _in_ranges(self, x: Floats, t: int) -> Bools:
         slack = 1e-7 + np.where(self._placed, self.judge.miss, 0.0)
@@ -152,8 +142,9 @@ class Beam:
             fine &= within_norm(x, norm)
         position, workspace = self.agent.dynamics.position, self.mission.workspace
         if position is not None and workspace is not None:
-            inside = (x @ position.T) @ workspace.normals.T <= workspace.offsets + 1e-7 + self.judge.miss
-            fine &= inside.all(axis=1)
+            room = 1e-7 + self.judge.miss
+            faces = (x @ position.T) @ workspace.normals.T
+            fine &= (faces <= workspace.offsets + room).all(axis=1)
         return np.asarray(fine)
 
     def _settled(
@@ -174,7 +165,7 @@ class Beam:
             labels[:, k] = self.judge.holds(atom.node, atom.source, moves, memo)
         progress, opens, alive = self._progressed(progress, opens, labels, fine, moves.step)
         kept = np.flatnonzero(fine & alive)
-        agenda = self._agenda(opens, moves.step)
+        agenda = Agenda.of(self.places, opens, moves.step)
         kept = kept[self._cheapest(moves.after[kept], progress[kept], cost[kept], agenda.due)]
         kept = self._best(moves, progress, cost, kept, agenda)
         if not len(kept):
@@ -232,9 +223,7 @@ class Beam:
             beaten[k:] |= (cell[rival] == cell[own]) & later
         return order[~beaten]
 
-    def _best(
-        self, moves: Moves, progress: Ints, cost: Floats, kept: Ints, agenda: Agenda
-    ) -> Ints:
+    def _best(self, moves: Moves, progress: Ints, cost: Floats, kept: Ints, agenda: Agenda) -> Ints:
         if not len(kept):
             return kept
         way, late = self._way_to_go(moves.after[kept], progress[kept], agenda, moves.step)
@@ -282,62 +271,6 @@ class Beam:
                 way[own] = np.where(may, first, np.inf).min(axis=1)
         return way, late
 
-    def _agenda(self, opens: Sequence[Open], step: int) -> Agenda:
-        """What is still to be done by each progress after a step."""
-        later = [n for t, ns in self.progress.starting.items() if t > step for n in ns]
-        future, own = self._windows(later), [self._windows(open_) for open_ in opens]
-        due = np.full((len(opens), len(self.places.ways)), np.inf)
-        since = np.full(len(self.places.ways), np.inf)
-        for row, windows in zip(due, own, strict=True):
-            for window in (*future, *windows):
-                row[window.place] = min(window.by, row[window.place])
-                since[window.place] = min(window.since, since[window.place])
-        stays = np.array([sum(w.done - step - 1 for w in windows) for windows in own], float)
-        return Agenda(due, since, stays)
-
-    def _windows(self, numbers: Iterable[int]) -> list[Window]:
-        found = (self.places.window(number) for number in numbers)
-        return [w for w in found if not self.places.masks[w.place].all()]
-
-
-def reach_of(agent: Agent, ranges: Ranges) -> Floats:
-    """(T+1, T+1): metres that an agent can go from one step to another at most."""
-    dynamics = agent.dynamics
-    position = dynamics.position
-    assert position is not None
-    change = position @ (dynamics.A - np.eye(len(dynamics.A)))
-    fastest = np.zeros(len(ranges.input_lower))
-    for row, gain in zip(change, position @ dynamics.B, strict=True):
-        ends = np.maximum(np.abs(ranges.state_lower[:-1]), np.abs(ranges.state_upper[:-1]))
-        pushes = np.maximum(np.abs(ranges.input_lower), np.abs(ranges.input_upper))
-        used, pushed = row != 0, gain != 0
-        speed = ends[:, used] @ np.abs(row[used]) + pushes[:, pushed] @ np.abs(gain[pushed])
-        fastest += speed**2
-    total = np.append(0.0, np.cumsum(np.sqrt(fastest)))
-    return np.asarray(total[None] - total[:, None])
-
-
-def control_set(agent: Agent, parts: int) -> Floats:
-    """Inputs (c, m) to try: a grid over the bounds, 0 in it, within the norms."""
-    axes = []
-    for low, high in zip(agent.input_lower, agent.input_upper, strict=True):
-        below = np.linspace(low, 0.0, parts + 1) if low < 0 else np.array([max(low, 0.0)])
-        above = np.linspace(0.0, high, parts + 1) if high > 0 else np.array([min(high, 0.0)])
-        grid = np.unique(np.round(np.append(below, above), 12))
-        axes.append(np.unique(np.round(grid)) if agent.integer_inputs else grid)
-    u = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, len(axes))
-    for norm in agent.input_norms:
-        u = u[within_norm(u, norm)]
-    return u
-
-
-def within_norm(values: Floats, norm: NormBound) -> Bools:
-    """Whether (N, n) are within a norm's polygon."""
-    inner = norm.kind is PolygonKind.INSCRIBED
-    limit = norm.limit * (np.cos(np.pi / norm.sides) if inner else 1.0)
-    faces = values[:, list(norm.indices)] @ polygon_normals(norm.sides).T
-    return np.asarray((faces <= limit + _TOUCH).all(axis=1))
-
 
 def _of_inputs(node: Node, agent: str) -> bool:
     """Whether a formula speaks of inputs of the agent only."""
@@ -347,21 +280,3 @@ def _of_inputs(node: Node, agent: str) -> bool:
         and all(s.role is Role.INPUT and s.owner == agent for s, _ in part.terms)
         for part in leaves
     )
-
-
-def cell_sizes(agent: Agent, ranges: Ranges, parts: int) -> Floats:
-    """Size (n,) of the cells in which one state stands for all: what the least control moves,
-    not finer than a share of the range."""
-    dynamics = agent.dynamics
-    gain = np.abs(dynamics.B) * (np.abs(agent.input_upper) / parts)
-    power, moved = np.eye(len(dynamics.A)), np.full(len(dynamics.A), np.inf)
-    for _ in range(len(dynamics.A)):
-        step = np.abs(power) @ gain
-        moved = np.minimum(moved, np.where(step > 1e-9, step, np.inf).min(axis=1))
-        power = dynamics.A @ power
-    spread = (ranges.state_upper - ranges.state_lower).max(axis=0)
-    placed = dynamics.position is not None and np.abs(dynamics.position).sum(axis=0) > 0
-    finest = spread / np.where(placed, *_FINE)
-    size = np.maximum(np.where(np.isfinite(moved), moved, 0.0), finest)
-    return np.where(size > 0, size, 1.0)
-

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from stlc.milp.compile import Compiled
-from stlc.solve.routes.beam import Beam, Run, cell_sizes, reach_of
+from stlc.solve.routes.beam import Beam, Run
+from stlc.solve.routes.controls import cell_sizes, reach_of
 from stlc.solve.routes.costs import StepCosts
 from stlc.solve.routes.moves import Judge, LevelOf
 from stlc.solve.routes.places import Places
@@ -54,9 +55,7 @@ class Routes:
                 run = self.run(name, runs, effort)
                 if run is None:
                     break
-                runs = Trajectories(
-                    {**runs.states, name: run[0]}, {**runs.inputs, name: run[1]}
-                )
+                runs = Trajectories({**runs.states, name: run[0]}, {**runs.inputs, name: run[1]})
             else:
                 return runs
             if name == order[0] or self.over():
@@ -93,4 +92,3 @@ class Routes:
 
 def _margin(value: float) -> LevelOf:
     return lambda unit: value
-

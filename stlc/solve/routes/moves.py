@@ -110,9 +110,7 @@ class Judge:
         inside = np.logical_and.reduce([np.asarray(w >= 0) for w in where])
         return np.broadcast_to((value >= level - _ROUNDING) & inside, len(moves.after))
 
-    def cells_of(
-        self, channel: str, name: str, step: int, own: str, after: Floats
-    ) -> Ints | None:
+    def cells_of(self, channel: str, name: str, step: int, own: str, after: Floats) -> Ints | None:
         """Cells of a moving end: (N,) of `own`, whose states are `after`, (1,) of an agent that
         is planned; None for one that is not, and for what stays."""
         if name == own:
@@ -140,4 +138,3 @@ class Judge:
         out = (i < 0) | (j < 0) | (i >= len(x) - 1) | (j >= len(y) - 1)
         k = np.where(out, 0, i * (len(y) - 1) + j)
         return np.where(out, -1, owner[k])
-

@@ -146,7 +146,7 @@ class Places:
         if not len(goals):
             return np.zeros(len(self.free))
         found = dijkstra(self._graph(), indices=goals, min_only=True)
-        return np.minimum(found, _FAR)
+        return np.asarray(np.minimum(found, _FAR))
 
     def _graph(self) -> object:
         from scipy.sparse import csr_matrix

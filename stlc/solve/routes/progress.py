@@ -84,7 +84,8 @@ class Progress:
         if number in self.atoms:
             self.asserted.setdefault(self.atoms[number].step, []).append(number)
         elif number != TRUE:
-            self.starting.setdefault(max(self.first[number], 0), []).append(number)
+            first = 0 if number == FALSE else self.first[number]
+            self.starting.setdefault(first, []).append(number)
 
     def _formula(self, node: Node, source: int, done: dict[Node, int]) -> int:
         if node in done:
@@ -104,9 +105,7 @@ class Progress:
         done[node] = found
         return found
 
-    def _number(
-        self, key: tuple[object, ...], kind: str, args: frozenset[int], first: int
-    ) -> int:
+    def _number(self, key: tuple[object, ...], kind: str, args: frozenset[int], first: int) -> int:
         if key not in self._numbers:
             self._numbers[key] = len(self.parts)
             self.parts.append((kind, args))
@@ -147,9 +146,7 @@ class Progress:
                 left.add(rest)
         return self._without_implied(left)
 
-    def _rest(
-        self, number: int, step: int, holds: Mapping[int, bool], done: dict[int, int]
-    ) -> int:
+    def _rest(self, number: int, step: int, holds: Mapping[int, bool], done: dict[int, int]) -> int:
         if self.first[number] > step:
             return number
         if number not in done:

@@ -44,24 +44,17 @@ def applies(work: Work) -> bool:
 
 
 def _run(work: Work) -> Work | Solution:
-    first = _glance(work)
-    if isinstance(first, Solution):
-        return first
-    found = _first_plan(first) if first.x is None else first
-    return found if found.x is None else _bettered(found)
-
-
-def _glance(work: Work) -> Work | Solution:
-    """A plain solve for a moment: many missions need no more."""
     moment = work.deadline.share(tuning.ROUTES.share, tuning.ROUTES.glance)
-    found = _solved(work, work.compiled.model, moment.left, work.options.gap)
-    if found is None:
-        return work
-    if found.status is Status.OPTIMAL:
-        return work.concluded(found)
-    if found.bound is not None:
-        work = work.with_bound(found.bound)
-    return work.with_point(found.x, "")
+    glance = _solved(work, work.compiled.model, moment.left, work.options.gap)
+    if glance is not None and glance.status is Status.OPTIMAL:
+        return work.concluded(glance)
+    if glance is None or glance.status is Status.INFEASIBLE:
+        return work  # settled by the whole model
+    if glance.bound is not None:
+        work = work.with_bound(glance.bound)
+    work = work.with_point(glance.x, "")
+    found = _first_plan(work) if work.x is None else work
+    return found if found.x is None else _bettered(found)
 
 
 def _first_plan(work: Work) -> Work:
