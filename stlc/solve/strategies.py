@@ -1,6 +1,7 @@
 """The strategies in their order, and how a solve runs through them.
 
     brief        small team models: a plain solve for a moment
+    turns        teams without a plan: one agent after the other, earlier ones held
     routes       no plan yet: runs over states and progress, better plans near them
     lone         teams that minimise effort: what each agent does alone, as rows and runs
     links        links between moving agents: dynamic programming bounds, branch and bound
@@ -29,6 +30,7 @@ from stlc.solve.heuristics.prioritised import PRIORITISED
 from stlc.solve.link_search import LINKS
 from stlc.solve.routes.strategy import ROUTES
 from stlc.solve.strategy import Strategy, Work
+from stlc.solve.teams.turns import TURNS
 
 ENTRY_POINTS = "stlc.strategies"
 """Entry-point group under which a package offers a `Strategy`."""
@@ -117,5 +119,7 @@ def solve_twice_if_infeasible(model: Model, backend: Backend, options: SolveOpti
 
 BRIEF = Strategy("brief", _is_small, _try_briefly)
 MILP = Strategy("milp", lambda work: True, _solve_whole)
-STRATEGIES: tuple[Strategy, ...] = (BRIEF, ROUTES, LONE, LINKS, PRIORITISED, DIVE, MILP)
+STRATEGIES: tuple[Strategy, ...] = (
+    BRIEF, TURNS, ROUTES, LONE, LINKS, PRIORITISED, DIVE, MILP,
+)  # fmt: skip
 """Every strategy, in the order in which they run."""

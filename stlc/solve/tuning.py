@@ -112,5 +112,17 @@ class Route:
     wider: float = 1.6
 
 
+@dataclass(frozen=True, slots=True)
+class Turns:
+    """`teams/turns.py`: first plans, one agent after the other."""
+
+    share: float = 0.2  # of the time that is left, for one agent
+    seconds: float = 10.0  # and at most
+    all: float = 0.5  # of the time that is left, for all of them
+    most: float = 120.0  # s
+    rough: float = 0.5  # gap: any run will do
+    partners: int = 4  # of an agent that finds no way, to be planned with it
+
+
 BRIEF, PAIR, TEAM, DIVE, LONE, JOIN = Brief(), Pair(), Team(), Dive(), Lone(), Join()
-ROUTES = Route()
+ROUTES, TURNS = Route(), Turns()

@@ -1,0 +1,1 @@
+"""Plans for teams, a few agents at a time against the others."""

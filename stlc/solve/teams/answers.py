@@ -1,0 +1,125 @@
+"""What a few agents can do against the runs of the others: a small mission of its own.
+
+Others that matter only where runs meet (`couplings`) are left out until they do, so that most of
+these missions hold few moving obstacles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from stlc.backends.base import Backend, Progress, Solution, SolveOptions, Status
+from stlc.errors import InfeasibleError, SolverError
+from stlc.milp.compile import Compiled, CompileOptions, compile_mission
+from stlc.solve.alone.run import Run
+from stlc.solve.deadline import Deadline
+from stlc.solve.mip_start import hold
+from stlc.solve.strategy import Work
+from stlc.solve.teams.couplings import Couplings
+from stlc.solve.teams.held import against
+
+_LOOSE = 1e-5  # of a run that is held: well above the tolerance of solvers, or they stumble
+
+Runs = Mapping[str, Run]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Answer:
+    """Runs of the free agents, None where none were found; who stood in their way; whether that
+    is the best there is (or proven to be nothing)."""
+
+    runs: Runs | None
+    met: frozenset[str]
+    settled: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """How hard to look: until the deadline, to within a gap, or for any runs at all."""
+
+    deadline: Deadline
+    gap: float = 0.0
+    any_run: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Answers:
+    """Answers within one compiled mission."""
+
+    compiled: Compiled
+    backend: Backend
+    options: SolveOptions
+    couplings: Couplings
+
+    @staticmethod
+    def of(work: Work) -> Answers:
+        """Those of a solve under way."""
+        return Answers(work.compiled, work.backend, work.options, Couplings.of(work.compiled))
+
+    def find(
+        self, free: Sequence[str], runs: Runs, effort: Effort, met: frozenset[str] = frozenset()
+    ) -> Answer:
+        """Runs of `free` that get along with `runs` of others; with runs of `free` among them,
+        better ones. `met` are others to look at from the start."""
+        others = {name: run for name, run in runs.items() if name not in free}
+        bound = frozenset(b for name in free for b in self.couplings.bound[name])
+        met = (met | bound) & others.keys()
+        while True:
+            found = self._once(free, {name: others[name] for name in met}, runs, effort)
+            if found.runs is None:
+                return replace(found, met=met)
+            hit = self._hit(free, {**others, **found.runs}, others.keys() - met)
+            if not hit:
+                return replace(found, met=met)
+            met |= hit
+
+    def _hit(self, free: Sequence[str], runs: Runs, others: set[str]) -> frozenset[str]:
+        alike = self.couplings.get_along
+        return frozenset(o for o in others if not all(alike(name, o, runs) for name in free))
+
+    def _once(self, free: Sequence[str], held: Runs, runs: Runs, effort: Effort) -> Answer:
+        nothing = frozenset[str]()
+        if effort.deadline.over():
+            return Answer(None, nothing, settled=False)
+        mission = against(self.compiled.mission, free, held, self.compiled.channels)
+        try:
+            team = compile_mission(mission, CompileOptions(link=self.compiled.link))
+            found = self._solve(team, {name: runs[name] for name in free if name in runs}, effort)
+        except InfeasibleError:
+            return Answer(None, nothing, settled=True)
+        except SolverError:
+            return Answer(None, nothing, settled=False)  # one try of several
+        settled = found.status in (Status.OPTIMAL, Status.INFEASIBLE)
+        if found.x is None:
+            return Answer(None, nothing, settled)
+        made = team.decode(found.x)
+        return Answer({n: (made.states[n], made.inputs[n]) for n in free}, nothing, settled)
+
+    def _solve(self, team: Compiled, known: Runs, effort: Effort) -> Solution:
+        """From the known runs, if they are of all the team."""
+        first = _First(effort)
+        asked = replace(
+            self.options, gap=effort.gap, start=None, time_limit=effort.deadline.limit,
+            on_progress=first.see, should_stop=first.stop,
+        )  # fmt: skip
+        if known.keys() >= team.states.keys():
+            fixed = hold(team, known, _LOOSE)
+            start = None if fixed is None else self.backend.solve(fixed, asked).x
+            first.seen = False
+            asked = replace(asked, start=start)
+        return self.backend.solve(team.model, asked)
+
+
+@dataclass(slots=True)
+class _First:
+    """Stops at the first point where any will do."""
+
+    effort: Effort
+    seen: bool = field(default=False)
+
+    def see(self, progress: Progress) -> None:
+        self.seen = self.seen or progress.incumbent is not None
+
+    def stop(self) -> bool:
+        return self.effort.deadline.over() or (self.effort.any_run and self.seen)

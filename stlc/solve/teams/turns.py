@@ -1,0 +1,103 @@
+"""First plans for teams: one agent after the other (prioritised planning).
+
+Each agent keeps to what is planned already (Erdmann and Lozano-Perez, On Multiple Moving Objects,
+1987). One that can't is planned anew together with an agent in its way, or comes first in the next
+order; then orders are drawn at random. Nothing is proven here: what was found is completed to a
+point of the whole model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stlc.arrays import Floats
+from stlc.backends.base import Capability
+from stlc.mission import TermKind
+from stlc.solve import tuning
+from stlc.solve.deadline import Deadline
+from stlc.solve.strategy import Strategy, Work
+from stlc.solve.teams.answers import Answer, Answers, Effort, Runs
+from stlc.solve.teams.whole import completed
+
+NEEDED = Capability.TIME_LIMIT | Capability.GAP
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Turns:
+    """A search for runs of all agents that get along."""
+
+    answers: Answers
+    deadline: Deadline
+
+    def plan(self, names: Sequence[str]) -> Runs | None:
+        """Runs of these agents, None where none were found."""
+        first: list[str] = []
+        for order in self._orders(names, first):
+            runs = self._in_turn(order, first)
+            if runs is not None or self.deadline.over() or len(first) > len(names) ** 2:
+                return runs
+        return None
+
+    def _orders(self, names: Sequence[str], first: Sequence[str]) -> Iterator[list[str]]:
+        """As given, then with who failed in front (the last first), then the others shuffled."""
+        rng = np.random.default_rng(self.answers.options.seed or 0)
+        rest = list(names)
+        while True:
+            urgent = list(dict.fromkeys(reversed(first)))
+            yield urgent + [name for name in rest if name not in urgent]
+            if len(first) > len(names):
+                rest = [names[int(k)] for k in rng.permutation(len(names))]
+
+    def _in_turn(self, order: Sequence[str], failed: list[str]) -> Runs | None:
+        """Runs planned in this order; who has none is added to `failed`."""
+        runs: dict[str, tuple[Floats, Floats]] = {}
+        for name in order:
+            answer = self._any((name,), runs)
+            found = answer.runs
+            if found is None and answer.met:
+                found = self._together(name, runs, answer)
+            if found is None:
+                failed.append(name)
+                return None
+            runs |= found
+        return runs
+
+    def _any(self, free: Sequence[str], runs: Runs, met: frozenset[str] = frozenset()) -> Answer:
+        moment = self.deadline.share(tuning.TURNS.share, tuning.TURNS.seconds)
+        return self.answers.find(free, runs, Effort(moment, tuning.TURNS.rough, True), met)
+
+    def _together(self, name: str, runs: Runs, answer: Answer) -> Runs | None:
+        """The agent with one of those that it met planned anew, bound ones before others."""
+        bound = self.answers.couplings.bound[name]
+        others = sorted(answer.met, key=lambda o: (o not in bound, list(runs).index(o)))
+        for other in others[: tuning.TURNS.partners]:
+            kept = {n: run for n, run in runs.items() if n != other}
+            found = self._any((name, other), kept, answer.met - {other}).runs
+            if found is not None:
+                return found
+        return None
+
+
+def _may_plan(work: Work) -> bool:
+    """A team without a plan, but for two agents that pay for their link (`link_search.py`)."""
+    mission = work.compiled.mission
+    kinds = {term.kind for term in mission.objective if term.weight != 0}
+    pair = len(mission.agents) == 2 and TermKind.LINK_COST in kinds
+    team = len(mission.agents) > 1 and not pair and TermKind.ROBUSTNESS not in kinds
+    return team and work.x is None and work.can(NEEDED)
+
+
+def _plan(work: Work) -> Work:
+    deadline = work.deadline.share(tuning.TURNS.all, tuning.TURNS.most)
+    answers = Answers.of(work)
+    runs = Turns(answers, deadline).plan(list(work.compiled.states))
+    if runs is None:
+        return work
+    asked = work.deadline.bind(work.options)
+    return work.with_point(completed(work.compiled, runs, work.backend, asked), "turns")
+
+
+TURNS = Strategy("turns", _may_plan, _plan)
