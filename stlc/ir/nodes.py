@@ -21,6 +21,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import Enum
 
+from stlc.ir.claims import Membership
+from stlc.ir.claims import Motion as Motion
+from stlc.ir.claims import Swept as Swept
 from stlc.ir.norms import Norms
 from stlc.source import Span
 
@@ -66,42 +69,16 @@ class Quantity(Enum):
     COST = "cost"  # the channel's own link cost
 
 
-class Motion(Enum):
-    """What a `swept` condition says of the motion from one step to the next."""
-
-    OUTSIDE = "outside"  # of an obstacle (inflated) or region
-    INSIDE = "inside"  # of a region
-    SEPARATION = "separation"  # |dx| >= distances[0] or |dy| >= distances[1]
-    CONDITION = "condition"  # any other condition on states and inputs
-
-
-@dataclass(frozen=True, slots=True)
-class Swept:
-    """The meaning behind a node that stands for a `swept` condition at its step t.
-
-    The node is a sufficient condition over samples; this says what it is sufficient for, over all
-    times in [t, t + 1]. `place` names an obstacle or region, `other` the second agent or station;
-    a CONDITION is about no agent alone and is the formula `condition`. The verifier judges it in
-    continuous time without looking at the node.
-    """
-
-    motion: Motion
-    agent: str = ""
-    place: str | None = None
-    other: str | None = None
-    distances: tuple[float, float] = (0.0, 0.0)
-    condition: Node | None = None
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Node:
     """Base of all nodes; equality and hash are structural, over `key`.
 
-    `span`, `swept` and `norms` take no part in them.
+    `span`, `swept`, `member` and `norms` take no part in them.
     """
 
     span: Span | None = field(default=None, repr=False, kw_only=True)
     swept: Swept | None = field(default=None, repr=False, kw_only=True)
+    member: Membership | None = field(default=None, repr=False, kw_only=True)
     norms: Norms | None = field(default=None, repr=False, kw_only=True)
     _hash: int = field(default=0, init=False, repr=False, kw_only=True)
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stlc.ir.nodes import And, Const, Motion, Node, Or, Swept, Timed
+from stlc.ir.claims import Membership
+from stlc.ir.nodes import And, Const, Linear, Motion, Node, Or, Swept, Timed
 from stlc.mission import Polytope, Sweep
 from stlc.sema.compare import at_least_zero
 from stlc.sema.members import point
@@ -59,7 +60,9 @@ def _against(subject: Value, place: Place, expr: ast.Membership, scope: Scope) -
     sweeps, inside = _sweeps(place, expr), expr.relation == "in"
     node = keep(where, sweeps, inside, expr.swept, scope, expr.span)
     if not expr.swept:
-        return node
+        who = subject.name if isinstance(subject, Radio) else _coordinates(where, expr.span)
+        claim = None if who is None else Membership(inside, who, place.shape.name)
+        return replace(node, member=claim)
     if isinstance(subject, Radio):
         motion = Motion.INSIDE if inside else Motion.OUTSIDE
         return replace(node, swept=Swept(motion, subject.name, place=place.shape.name))
@@ -67,6 +70,13 @@ def _against(subject: Value, place: Place, expr: ast.Membership, scope: Scope) -
         return node  # of what moves, claims speak of agents alone
     still = keep(where, sweeps, inside, False, scope, expr.span)
     return replace(node, swept=Swept(Motion.CONDITION, condition=still))
+
+
+def _coordinates(where: tuple[Scalar, Scalar], span: Span) -> tuple[Linear, Linear] | None:
+    """A point's coordinates as linear forms of signals; None where they are no such."""
+    nodes = [at_least_zero(s, span, positive=True) for s in where]
+    x, y = nodes
+    return (x, y) if isinstance(x, Linear) and isinstance(y, Linear) else None
 
 
 def _sweeps(place: Place, expr: ast.Membership) -> tuple[Sweep, ...]:

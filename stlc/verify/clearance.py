@@ -99,6 +99,42 @@ def inside(chain: Chain, body: Body) -> Extremum:
     return Extremum(values, where)
 
 
+def at_steps(body: Body, places: Array, inside: bool, space: Polytope | None) -> Array:
+    """How far places (L, 2) at steps 0..L-1 are inside, or outside, a body (L,) [m]."""
+    found = np.empty(len(places))
+    stays = [body.at(t) for t in range(len(places))]
+    starts = np.array([stay.start for stay in stays]).reshape(-1, 2)
+    forms = np.array([id(stay.form) for stay in stays])
+    for key in np.unique(forms):
+        steps = np.flatnonzero(forms == key)
+        relative, form = places[steps] - starts[steps], stays[steps[0]].form
+        if inside:
+            found[steps] = _depths(relative, form)
+        else:
+            found[steps] = _gaps(relative, starts[steps], form, body.grow, space)
+    return found
+
+
+def _depths(places: Array, form: Form) -> Array:
+    import shapely
+
+    points, (room, whole) = shapely.points(places), _stayed_in(form)
+    away = shapely.distance(whole, points)
+    deep = shapely.distance(whole.boundary, points)
+    return np.asarray(np.where(shapely.covers(room, points), deep, -away))
+
+
+def _gaps(places: Array, starts: Array, form: Form, grow: float, space: Polytope | None) -> Array:
+    import shapely
+
+    found: Array = shapely.distance(form.solid, shapely.points(places)) - grow
+    now = np.array([0.0, 1.0])
+    for k in np.flatnonzero(found <= SURE):
+        out = kept_out(Stay(form, starts[k], np.zeros(2)), space)
+        found[k] = _clear(now, np.tile(places[k], (2, 1)), out)[0]
+    return found
+
+
 def _stayed_in(form: Form) -> tuple[Any, Any]:
     """`_stay_in`, made once."""
     if "in" not in form.made:

@@ -41,6 +41,8 @@ class RequirementReport:
     true        on the samples, channels at the true positions (None without a channel model)
     swept       with every `swept` condition judged in continuous time (None without one)
     critical    (step, unit) of the predicate that decides `robustness`
+    corners     where samples lie on another side of a place by its corners in the file than the
+                formula says: with them on that side (None where none does)
     """
 
     name: str
@@ -50,11 +52,14 @@ class RequirementReport:
     swept: float | None = None
     critical: tuple[int, str] | None = None
     span: Span | None = None
+    corners: float | None = None
 
     @property
     def satisfied(self) -> bool:
         """Robustness, in continuous time where it is asked, reaches the margin less 1e-6."""
         value = self.robustness if self.swept is None else self.swept
+        if self.corners is not None and self.corners < self.margin - 1e-6:
+            return False
         return value is not None and value >= self.margin - 1e-6
 
 
@@ -204,6 +209,8 @@ def _further(r: RequirementReport) -> str:
         parts.append(f"at true positions {tidy(r.true)}")
     if r.swept is not None:
         parts.append(f"in continuous time {tidy(r.swept)}")
+    if r.corners is not None:
+        parts.append(f"by the corners in the file {tidy(r.corners)}")
     return f"  [{', '.join(parts)}]" if parts else ""
 
 

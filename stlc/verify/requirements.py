@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -31,6 +32,7 @@ from stlc.verify.continuous import separation
 from stlc.verify.paths import Path
 from stlc.verify.report import RequirementReport, Violation
 from stlc.verify.robustness import Evaluator, unit
+from stlc.verify.samples import Samples
 from stlc.verify.shapes import Bodies, Body
 from stlc.verify.subject import TOLERANCE, Array
 from stlc.verify.trace import Trace
@@ -39,21 +41,36 @@ TRUE_SLACK = 1e-4
 """A rigorous cell bound may be missed by this much: a position counts as in a cell 1e-6 m away."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Judges:
+    """Evaluators: on samples, at the true positions, in continuous time, by corners."""
+
+    sampled: Evaluator
+    true: Evaluator
+    dense: Evaluator
+    corners: Evaluator
+    samples: Samples
+
+
 def judge(
-    mission: Mission, cells: Trace, true: Trace, swept: SweptOverride
+    mission: Mission, cells: Trace, true: Trace, swept: SweptOverride, bodies: Bodies
 ) -> tuple[RequirementReport, ...]:
     """Reports on all requirements."""
-    sampled, positions = Evaluator(cells), Evaluator(true)
-    dense = Evaluator(cells, swept)
-    return tuple(_report(r, sampled, positions, dense) for r in mission.requirements)
+    sampled = Evaluator(cells)
+    samples = Samples(mission, swept.chains, bodies, sampled)
+
+    def by_corners(node: Node) -> Array | None:
+        return swept(node) if node.swept is not None else samples(node)
+
+    judges = _Judges(
+        sampled, Evaluator(true), Evaluator(cells, swept), Evaluator(cells, by_corners), samples
+    )
+    return tuple(_report(r, judges) for r in mission.requirements)
 
 
-def _report(
-    requirement: Requirement, sampled: Evaluator, true: Evaluator, dense: Evaluator
-) -> RequirementReport:
-    """One requirement judged on samples, at true positions if it has links, in continuous time if
-    it is swept in part."""
-    formula = requirement.formula
+def _report(requirement: Requirement, judges: _Judges) -> RequirementReport:
+    """One requirement by all judges that have a say in it."""
+    formula, sampled = requirement.formula, judges.sampled
     has_link = has_swept = False
     for node in walk(formula):
         has_link = has_link or isinstance(node, Link)
@@ -63,10 +80,11 @@ def _report(
         requirement.name,
         requirement.margin,
         value,
-        _first(true.robustness(formula)) if has_link else None,
-        _first(dense.robustness(formula)) if has_swept else None,
+        _first(judges.true.robustness(formula)) if has_link else None,
+        _first(judges.dense.robustness(formula)) if has_swept else None,
         None if value is None else critical(sampled, formula),
         requirement.span,
+        _first(judges.corners.robustness(formula)) if judges.samples.differ(formula) else None,
     )
 
 
@@ -87,7 +105,7 @@ class SweptOverride:
     ) -> None:
         self._mission = mission
         self._motion = motion
-        self._chains = chains
+        self.chains = chains
         self._motions = motions
         self._bodies = bodies
 
@@ -110,9 +128,9 @@ class SweptOverride:
         match swept.motion:
             case Motion.OUTSIDE:
                 space = self._mission.workspace
-                return clearance.outside(self._chains[swept.agent], self._body(swept), space).value
+                return clearance.outside(self.chains[swept.agent], self._body(swept), space).value
             case Motion.INSIDE:
-                return clearance.inside(self._chains[swept.agent], self._body(swept)).value
+                return clearance.inside(self.chains[swept.agent], self._body(swept)).value
             case Motion.SEPARATION:
                 assert swept.other is not None
                 relative = self._motion[swept.agent].minus(self._motion[swept.other])
@@ -135,10 +153,12 @@ def requirement_violations(
             yield Violation("requirement", text, float("inf"), None, None, r.span)
         elif r.satisfied:
             continue
-        elif r.swept is not None and r.robustness >= r.margin - TOLERANCE:
-            yield _failure(r, r.swept, "swept", " between samples")
-        else:
+        elif r.robustness < r.margin - TOLERANCE:
             yield _failure(r, r.robustness, "requirement", "")
+        elif r.corners is not None and r.corners < r.margin - TOLERANCE:
+            yield _failure(r, r.corners, "corners", " by the corners in the file")
+        elif r.swept is not None:
+            yield _failure(r, r.swept, "swept", " between samples")
 
 
 def _failure(r: RequirementReport, value: float, kind: str, where: str) -> Violation:

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from stlc.api import loads
-from stlc.ir.nodes import Always, And, Const, Motion, Swept, walk
+from stlc.ir.claims import Membership
+from stlc.ir.nodes import Always, And, Const, Eventually, Motion, Swept, walk
 from stlc.mission import Mission
 from stlc.plan import Plan, Run, mission_digest
 from stlc.verify import verify
@@ -124,3 +125,47 @@ def test_no_way_between_a_wall_and_what_drives_along_it(lane: float, good: bool)
     found = breaks(moving + "velocity (0.5, 0)", (1, 2), (8, 2))
     assert bool(found) is not good
     assert good or "passes between t and w, which touch" in found
+
+
+@pytest.mark.parametrize(
+    ("place", "relation", "at", "good"),
+    [
+        ("region p = box [4, 6] x [4, 6]", "in", (5, 5), True),
+        ("region p = box [4, 6] x [4, 6]", "in", (6.001, 5), False),
+        ("region p = polygon (1, 1) (9, 1) (9, 3) (3, 3) (3, 9) (1, 9)", "in", (5, 5), False),
+        ("obstacle p = box [4, 6] x [4, 6] inflate 0.5 m", "outside", (6.5, 5), True),
+        ("obstacle p = box [4, 6] x [4, 6] inflate 0.5 m", "outside", (6.4999, 5), False),
+        ("obstacle p = box [0, 1] x [4, 6] velocity (4, 0)", "outside", (4.5, 5), False),
+        ("obstacle p = box [0, 1] x [4, 6] velocity (4, 0)", "outside", (3.5, 5), True),
+        ("obstacle p = moving { 0: box [0, 1] x [0, 1]; 1: box [4, 6] x [0, 6] }",
+         "outside", (5, 5), False),
+    ],
+)  # fmt: skip
+def test_samples_are_judged_by_the_corners_in_the_file(
+    place: str, relation: str, at: tuple[float, float], good: bool
+) -> None:
+    """Whatever an encoder made of the place: here it forgot it, and the formula always holds."""
+    mission, plan = judged(f"{place}\nobstacle far = box [9, 10] x [9, 10]", (1, 5), at)
+    claim = Membership(relation == "in", "r", "p")
+    said = Eventually(Const(True, member=claim), 1, 1)
+    requirement = dataclasses.replace(mission.requirements[0], formula=said)
+    report = verify(dataclasses.replace(mission, requirements=(requirement,)), plan)
+    assert report.ok is good
+    assert good or "by the corners in the file" in report.text()
+
+
+@pytest.mark.parametrize("at", [(4.5, 5), (5.5, 5), (7, 7)])
+def test_corners_agree_with_the_formulas_of_points_and_negations(at: tuple[float, float]) -> None:
+    text = """step 1 s
+workspace box [0, 10] x [0, 10]
+agent r : single_integrator { start (1, 5); control |u| <= 20 }
+region p = polygon (4, 4) (6, 4) (6, 6) (5, 6) (5, 5) (4, 5)
+require a: eventually[1, 1] not ((r.x + 1 m, r.y) in p)
+require b: eventually[1, 1] not (r in p)
+"""
+    mission = loads(text)
+    model, states = mission.agents["r"].dynamics, np.array([(1, 5), at], dtype=float)
+    names = (model.states, model.inputs, model.state_units, model.input_units)
+    run = Run(states, np.diff(states, axis=0), *names)
+    report = verify(mission, Plan("<text>", mission_digest(mission), 1.0, 1, {"r": run}))
+    assert {r.name: r.corners for r in report.requirements} == {"a": None, "b": None}
