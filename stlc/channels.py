@@ -1,6 +1,6 @@
 """A mission's channels as numbers: tables over cells, values at true positions.
 
-Encoders and verifier share these as data. Which cells a position touches, how ties are settled
+Encoders and verifier share these as data. Which cells a position touches, how ties are broken
 and what is summed is each one's own business.
 
 A table has one axis of cells for each moving end of its pair, in the order of the pair: (n, n)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,9 +13,11 @@ import click
 from stlc.cli.interrupt import INTERRUPTED, interruptible
 
 if TYPE_CHECKING:
-    from stlc.bench.job import Job
+    from stlc.bench.job import Job, Limits
     from stlc.bench.problem import Suite
     from stlc.bench.record import Record
+    from stlc.bench.schedule import Choice
+    from stlc.bench.store import Store
 
 _STORE = Path("out/bench.sqlite")
 _QUICK_SECONDS = 10.0
@@ -50,6 +53,29 @@ def _seconds(ctx: click.Context, param: click.Parameter, value: str) -> dict[str
         if not 0 < found[name.strip()] < math.inf:
             raise click.BadParameter(f"'{word}': seconds must be greater than 0 and finite")
     return found
+
+
+@dataclass(frozen=True, slots=True)
+class _Words:
+    """The options of `stlc bench run` as click hands them over; seconds by encoding, GB."""
+
+    encodings: tuple[str, ...]
+    backends: tuple[str, ...]
+    passes: tuple[str, ...]
+    strategies: tuple[str, ...]
+    peer: Path | None
+    only: tuple[str, ...]
+    quick: bool
+    time_limit: dict[str, float]
+    repeat: int
+    gap: float
+    threads: int
+    memory: float | None
+    workers: int
+    cluster: str | None
+    store: Path
+    registry: Path | None
+    listing: bool
 
 
 @bench_command.command("run", options_metavar="[OPTIONS]")
@@ -98,38 +124,39 @@ def run_command(suites: tuple[str, ...], **words: Any) -> int:
     from stlc.bench.schedule import schedule
     from stlc.bench.store import Store
 
-    folder = words["registry"] or default_folder()
+    given = _Words(**words)
+    folder = given.registry or default_folder()
     chosen = chosen_suites(load_suites(folder), suites)
-    if words["listing"]:
+    if given.listing:
         click.echo(_listing(chosen))
         return 0
-    jobs = schedule(folder, chosen, _choice(words), _limits(words))
-    store = Store(words["store"])
+    jobs = schedule(folder, chosen, _choice(given), _limits(given))
+    store = Store(given.store)
     store.create()
-    complete = _make(jobs, store, words)
+    complete = _make(jobs, store, given)
     click.echo(_closing(jobs, store))
     return 0 if complete else INTERRUPTED
 
 
-def _choice(words: dict[str, Any]) -> Any:
+def _choice(given: _Words) -> Choice:
     from stlc.bench.schedule import Choice
 
     return Choice(
-        words["encodings"], words["backends"], words["passes"], words["strategies"],
-        words["repeat"], words["quick"], words["only"], words["peer"],
-        {name: seconds for name, seconds in words["time_limit"].items() if name},
+        given.encodings, given.backends, given.passes, given.strategies,
+        given.repeat, given.quick, given.only, given.peer,
+        {name: seconds for name, seconds in given.time_limit.items() if name},
     )  # fmt: skip
 
 
-def _limits(words: dict[str, Any]) -> Any:
+def _limits(given: _Words) -> Limits:
     from stlc.bench.job import Limits
 
-    seconds = words["time_limit"].get("", _QUICK_SECONDS if words["quick"] else 60.0)
-    memory = None if words["memory"] is None else int(words["memory"] * 2**30)
-    return Limits(seconds, words["gap"], words["threads"], memory)
+    seconds = given.time_limit.get("", _QUICK_SECONDS if given.quick else 60.0)
+    memory = None if given.memory is None else int(given.memory * 2**30)
+    return Limits(seconds, given.gap, given.threads, memory)
 
 
-def _make(jobs: tuple[Job, ...], store: Any, words: dict[str, Any]) -> bool:
+def _make(jobs: tuple[Job, ...], store: Store, given: _Words) -> bool:
     """Make the runs that are left, one repeat after the other; False when interrupted."""
     from dataclasses import replace
 
@@ -140,7 +167,7 @@ def _make(jobs: tuple[Job, ...], store: Any, words: dict[str, Any]) -> bool:
         for members in rounds(jobs):
             left = pending(members, store.records())
             done += len(members) - len(left)
-            for record in _executor(left, words, stop):
+            for record in _executor(left, given, stop):
                 done += 1
                 store.add(replace(record, command=command))
                 click.echo(f"[{done}/{len(jobs)}] {_line(record)}", err=True)
@@ -149,14 +176,14 @@ def _make(jobs: tuple[Job, ...], store: Any, words: dict[str, Any]) -> bool:
         return True
 
 
-def _executor(left: list[Job], words: dict[str, Any], stop: Any) -> Iterable[Record]:
-    if words["cluster"]:
+def _executor(left: list[Job], given: _Words, stop: Callable[[], bool]) -> Iterable[Record]:
+    if given.cluster:
         from stlc.bench.cluster import run_on_cluster
 
-        return run_on_cluster(words["cluster"], left, stop)
+        return run_on_cluster(given.cluster, left, stop)
     from stlc.bench.local import run_local
 
-    return run_local(left, words["workers"], stop)
+    return run_local(left, given.workers, stop)
 
 
 def _command() -> str:

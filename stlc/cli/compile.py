@@ -56,7 +56,7 @@ def compile_command(
     `stlc read-solution FILE SOL` turns the solver's answer back into a plan.
     """
     from stlc.milp.encodings import compile_options
-    from stlc.solve.statistics import statistics, statistics_text
+    from stlc.solve.statistics import Statistics
 
     mission = load(file, define, allow_path)
     check_outputs(output)
@@ -69,9 +69,9 @@ def compile_command(
         write_model(compiled.model, output)
         _report(compiled.model, output, quiet=as_json)
     if as_json:
-        answer(statistics(compiled))
+        answer(Statistics.of(compiled).as_dict())
     elif stats:
-        click.echo(statistics_text(statistics(compiled)))
+        click.echo(Statistics.of(compiled).text())
     if verbose:
         for note in compiled.stats.notes:
             click.echo(note, err=True)

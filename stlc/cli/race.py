@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +29,22 @@ if TYPE_CHECKING:
     from stlc.solve.racing.race import Racer
 
 
+@dataclass(frozen=True, slots=True)
+class _Words:
+    """The options of `stlc race` as click hands them over; seconds, GB, and a relative gap."""
+
+    entrants: str
+    cluster: str | None
+    time_limit: float | None
+    memory: float | None
+    gap: float
+    threads: int
+    option: tuple[str, ...]
+    output: Path | None
+    as_json: bool
+    style: str
+
+
 @click.command("race")
 @mission_options
 @click.option("--with", "entrants", default="highs:auto,scip:auto", show_default=True,
@@ -53,33 +69,34 @@ def race_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, ..
     """Solve FILE with several solvers and encodings at once; the first certified proof wins."""
     from stlc.solve.racing.mission_race import MissionRace
 
+    given = _Words(**words)
     mission = load(file, define, allow_path)
-    check_outputs(words["output"])
-    compiled, racers = _enter(mission, words)
-    tell = listener(words["style"])
+    check_outputs(given.output)
+    compiled, racers = _enter(mission, given)
+    tell = listener(given.style)
     with interruptible() as stop:
-        race = MissionRace(mission, compiled, racers, tell, words["output"], words["cluster"])
+        race = MissionRace(mission, compiled, racers, tell, given.output, given.cluster)
         result = race.run(stop)
-    answer(_as_dict(result)) if words["as_json"] else click.echo(_summary(result))
+    answer(_as_dict(result)) if given.as_json else click.echo(_summary(result))
     if result.refused is not None:
         complain(result.refused)
         return SolverError.exit_status
     return 0
 
 
-def _enter(mission: Mission, words: dict[str, Any]) -> tuple[dict[str, Compiled], list[Racer]]:
+def _enter(mission: Mission, given: _Words) -> tuple[dict[str, Compiled], list[Racer]]:
     from stlc import backends
     from stlc.backends.base import SolveOptions
     from stlc.milp.encodings import compile_options
     from stlc.solve.blame import compile_or_blame
     from stlc.solve.racing.race import Racer
 
-    options = SolveOptions(words["time_limit"], words["gap"], words["threads"])
-    memory = None if words["memory"] is None else int(words["memory"] * 2**30)
+    options = SolveOptions(given.time_limit, given.gap, given.threads)
+    memory = None if given.memory is None else int(given.memory * 2**30)
     compiled: dict[str, Compiled] = {}
     racers = []
-    options = replace(options, extra=parse_solver_options(words["option"]))
-    for name in filter(None, (part.strip() for part in words["entrants"].split(","))):
+    options = replace(options, extra=parse_solver_options(given.option))
+    for name in filter(None, (part.strip() for part in given.entrants.split(","))):
         backend, _, encoding = name.partition(":")
         backends.get(backend)  # an unknown name is a mistake; a missing solver only loses
         compiled[name] = compile_or_blame(mission, compile_options(encoding or "auto"))

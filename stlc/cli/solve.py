@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +30,30 @@ if TYPE_CHECKING:
 
 _GRACE = 0.4  # s that a solver may overrun its limit, or Ctrl-C, before it is left behind
 _EXPLAIN = 20.0  # s for all solves that look for a conflict
+
+
+@dataclass(frozen=True, slots=True)
+class _Words:
+    """The options of `stlc solve` as click hands them over; seconds, and a relative gap."""
+
+    backend: str
+    encoding: str
+    max_size: int | None
+    disable: tuple[str, ...]
+    strategy: str
+    time_limit: float | None
+    gap: float
+    threads: int | None
+    seed: int | None
+    start: Path | None
+    shift: int
+    option: tuple[str, ...]
+    no_explain: bool
+    confirm: bool
+    output: Path | None
+    csv_path: Path | None
+    as_json: bool
+    style: str
 
 
 @click.command("solve")
@@ -64,28 +90,31 @@ _EXPLAIN = 20.0  # s for all solves that look for a conflict
 def solve_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...],
                   **words: Any) -> int:  # fmt: skip
     """Plan the mission in FILE; the plan is certified and verified before anybody sees it."""
+    given = _Words(**words)
     mission = load(file, define, allow_path)
-    settings = _settings(mission, words)
-    check_outputs(words["output"], words["csv_path"])
-    tell = listener(words["style"])
+    settings = _settings(mission, given)
+    check_outputs(given.output, given.csv_path)
+    tell = listener(given.style)
     with interruptible() as stop:
         try:
             outcome = _solve(mission, settings, tell, stop)
         except InfeasibleError as error:
-            if words["no_explain"]:
+            if given.no_explain:
                 raise
             complain(str(error))
             return _explain(mission, settings, tell, str(error))
-    if words["csv_path"]:
-        outcome.plan.write_csv(words["csv_path"])
-    answer(outcome.as_dict()) if words["as_json"] else click.echo(_summary(outcome))
+    if given.csv_path:
+        outcome.plan.write_csv(given.csv_path)
+    answer(outcome.as_dict()) if given.as_json else click.echo(_summary(outcome))
     if outcome.refused is not None:
         complain(outcome.refused)
         return SolverError.exit_status
     return 0
 
 
-def _solve(mission: Mission, settings: SolveSettings, tell: Listener, stop: Any) -> Outcome:
+def _solve(
+    mission: Mission, settings: SolveSettings, tell: Listener, stop: Callable[[], bool]
+) -> Outcome:
     from stlc.solve.driver import solve_mission
 
     return solve_mission(mission, settings, tell, stop)
@@ -102,21 +131,21 @@ def _explain(mission: Mission, settings: SolveSettings, tell: Listener, told: st
     return InfeasibleError.exit_status
 
 
-def _settings(mission: Mission, words: dict[str, Any]) -> SolveSettings:
+def _settings(mission: Mission, given: _Words) -> SolveSettings:
     from stlc.milp.encodings import compile_options
     from stlc.plan import read_plan, shifted
     from stlc.solve.outcome import SolveSettings
 
-    start = read_plan(words["start"]) if words["start"] else None
-    if words["shift"] and start is None:
+    start = read_plan(given.start) if given.start else None
+    if given.shift and start is None:
         raise click.UsageError("--shift needs --start")
-    if start is not None and words["shift"]:
-        start = shifted(start, words["shift"], mission.agents)
-    options = compile_options(words["encoding"], words["disable"], max_size=words["max_size"])
+    if start is not None and given.shift:
+        start = shifted(start, given.shift, mission.agents)
+    options = compile_options(given.encoding, given.disable, max_size=given.max_size)
     return SolveSettings(
-        words["backend"], options, words["strategy"], words["time_limit"], words["gap"],
-        words["threads"], words["seed"], start, words["confirm"], words["output"],
-        parse_solver_options(words["option"]), _GRACE,
+        given.backend, options, given.strategy, given.time_limit, given.gap,
+        given.threads, given.seed, start, given.confirm, given.output,
+        parse_solver_options(given.option), _GRACE,
     )  # fmt: skip
 
 

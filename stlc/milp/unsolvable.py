@@ -67,9 +67,9 @@ def check_magnitudes(model: Model) -> None:
         row = int(np.searchsorted(model.A.indptr, large[0], side="right")) - 1
         value, limit = float(model.A.data[large[0]]), LARGEST_COEFFICIENT
         raise MissionError([_too_large(model.row_block(row), "coefficient", value, limit)])
-    dear = np.flatnonzero(~(np.abs(model.c) < LARGEST_COST))
-    if len(dear):
-        column = int(dear[0])
+    large = np.flatnonzero(~(np.abs(model.c) < LARGEST_COST))
+    if len(large):
+        column = int(large[0])
         block = max((b for b in model.col_blocks if b.start <= column), key=lambda b: b.start)
         value = float(model.c[column])
         raise MissionError([_too_large(block, "weight", value, LARGEST_COST)])

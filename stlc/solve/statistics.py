@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from stlc.backends import get
 from stlc.backends.base import SolveOptions, Status
 from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
+from stlc.passes import PassStats
 
 
 def lp_bound(model: Model) -> float | None:
@@ -20,40 +22,57 @@ def lp_bound(model: Model) -> float | None:
     return solution.objective if solution.status is Status.OPTIMAL else None
 
 
-def statistics(compiled: Compiled) -> dict[str, Any]:
-    """Plain JSON values."""
-    m = compiled.model
-    keys = ("columns", "integers", "rows", "nonzeros")
-    return {
-        "columns": m.columns,
-        "binaries": m.binaries,
-        "rows": m.rows,
-        "nonzeros": m.nonzeros,
-        "lp_bound": compiled.mission.sense.own(lp_bound(m)),
-        "seconds": compiled.stats.seconds,
-        "by_origin": {
-            label: dict(zip(keys, sizes, strict=True))
-            for label, sizes in compiled.stats.by_origin.items()
-        },
-        "passes": [asdict(p) for p in compiled.stats.passes],
-        "notes": list(compiled.stats.notes),
-    }
+@dataclass(frozen=True, slots=True)
+class Statistics:
+    """A compiled mission's sizes and its LP relaxation bound, in the mission's own sense."""
+
+    compiled: Compiled
+    lp_bound: float | None
+
+    @staticmethod
+    def of(compiled: Compiled) -> Statistics:
+        """Solves the LP relaxation."""
+        return Statistics(compiled, compiled.mission.sense.own(lp_bound(compiled.model)))
+
+    def as_dict(self) -> dict[str, Any]:
+        """What `stlc compile --stats --json` prints."""
+        m, stats = self.compiled.model, self.compiled.stats
+        keys = ("columns", "integers", "rows", "nonzeros")
+        return {
+            "columns": m.columns,
+            "binaries": m.binaries,
+            "rows": m.rows,
+            "nonzeros": m.nonzeros,
+            "lp_bound": self.lp_bound,
+            "seconds": stats.seconds,
+            "by_origin": {
+                label: dict(zip(keys, sizes, strict=True))
+                for label, sizes in stats.by_origin.items()
+            },
+            "passes": [asdict(p) for p in stats.passes],
+            "notes": list(stats.notes),
+        }
+
+    def text(self) -> str:
+        """The same for a person."""
+        m, stats = self.compiled.model, self.compiled.stats
+        total = (m.columns, m.binaries, m.rows, m.nonzeros)
+        bound = "none" if self.lp_bound is None else f"{self.lp_bound:.6g}"
+        return "\n".join([
+            f"{'':36} {'columns':>9} {'integers':>9} {'rows':>9} {'nonzeros':>9}",
+            *(_row(label, sizes) for label, sizes in stats.by_origin.items()),
+            _row("total", total),
+            f"LP relaxation bound {bound}; compiled in {stats.seconds:.2f} s",
+            *(_pass_line(one) for one in stats.passes),
+        ])  # fmt: skip
 
 
-def statistics_text(stats: dict[str, Any]) -> str:
-    """The same for a person."""
-    header = f"{'':36} {'columns':>9} {'integers':>9} {'rows':>9} {'nonzeros':>9}"
-    lines = [header]
-    for label, s in stats["by_origin"].items():
-        cells = (s["columns"], s["integers"], s["rows"], s["nonzeros"])
-        lines.append(f"{label[:36]:36} " + " ".join(f"{v:9d}" for v in cells))
-    total = (stats["columns"], stats["binaries"], stats["rows"], stats["nonzeros"])
-    lines.append(f"{'total':36} " + " ".join(f"{v:9d}" for v in total))
-    bound = "none" if stats["lp_bound"] is None else f"{stats['lp_bound']:.6g}"
-    lines.append(f"LP relaxation bound {bound}; compiled in {stats['seconds']:.2f} s")
-    for entry in stats["passes"]:
-        lines.append("  " + ", ".join(f"{k} {_short(v)}" for k, v in entry.items()))
-    return "\n".join(lines)
+def _row(label: str, sizes: Iterable[int]) -> str:
+    return f"{label[:36]:36} " + " ".join(f"{v:9d}" for v in sizes)
+
+
+def _pass_line(one: PassStats) -> str:
+    return "  " + ", ".join(f"{k} {_short(v)}" for k, v in asdict(one).items())
 
 
 def _short(value: object) -> str:

@@ -1,7 +1,7 @@
 """Link quality on the cell model and at true positions.
 
 Tables and the channel's posterior come from the radio as data; which cells a position touches
-and how ties are settled is decided here: a predicate takes the best of the touching cells, a cost
+and how ties are broken is decided here: a predicate takes the best of the touching cells, a cost
 the cheapest.
 """
 

@@ -18,7 +18,7 @@ def test_an_internal_error_is_owned_up_to(
         raise ZeroDivisionError("by design")
 
     monkeypatch.setenv("STLC_DEBUG", asked)
-    monkeypatch.setattr("stlc.api.load", broken)
+    monkeypatch.setattr("stlc.sema.load_mission", broken)
     (tmp_path / "m.stl").write_text(MISSION)
     done = stlc("check", "m.stl", folder=tmp_path)
     assert done.returncode == 70

@@ -39,7 +39,7 @@ class Search:
 
     def plan(self) -> bool:
         """Look for first plans only; never proves anything."""
-        self._guides({}, ((0, 1), (1, 0)))
+        self._descend({}, ((0, 1), (1, 0)))
         return False
 
     def run(self) -> bool:
@@ -68,8 +68,8 @@ class Search:
         return Maker(self.problem, body, self.tubes[n], taken, rates)
 
     # -- plans --------------------------------------------------------------------------------
-    def _guides(self, start: dict[int, Floats], orders: Sequence[Sequence[int]]) -> bool:
-        """Coordinate descents, each guide given to the solver with the cells it touches."""
+    def _descend(self, start: dict[int, Floats], orders: Sequence[Sequence[int]]) -> bool:
+        """Coordinate descents, each run given to the solver with the cells it touches."""
         if not self.descent.possible:
             return False
         better = False
@@ -89,7 +89,9 @@ class Search:
         path = self._best_run(node) if self.descent.possible else None
         if path is None:
             return False
-        return any([self._guides({n: self._centres(node, path, n)}, ((1 - n, n),)) for n in (0, 1)])
+        return any(
+            [self._descend({n: self._centres(node, path, n)}, ((1 - n, n),)) for n in (0, 1)]
+        )
 
     def _best_run(self, node: Node) -> list[tuple[int, int]] | None:
         """States of the best abstract run."""
@@ -106,7 +108,7 @@ class Search:
 
     # -- nodes --------------------------------------------------------------------------------
     def expand(self, node: Node) -> Expansion[Node]:
-        """Tighten; close what is settled or small enough for the solver, split the rest."""
+        """Tighten; close what is decided or small enough for the solver, split the rest."""
         session = self.session
         session.nodes += 1
         is_open = self._tighten(node)

@@ -1,4 +1,4 @@
-"""More than two agents: guides by coordinate descent, then branch and bound over all."""
+"""More than two agents: first plans by coordinate descent, then branch and bound over all."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ class Team:
         """Look for first plans only; never proves anything."""
         order = list(range(len(self.problem.bodies)))
         if self.descent.possible:
-            self._guide(order)
-            self._guide(order[::-1])
+            self._descend(order)
+            self._descend(order[::-1])
         return False
 
     def run(self) -> bool:
@@ -36,7 +36,7 @@ class Team:
             Tree(session, pool).run()
         return session.x is not None and session.bound >= session.cutoff - 1e-6
 
-    def _guide(self, order: list[int]) -> None:
+    def _descend(self, order: list[int]) -> None:
         runs = self.descent.run(order, {}, 3)
         if runs is not None:
             self.session.follow([runs[i] for i in sorted(order)], 20.0)

@@ -1,8 +1,8 @@
-"""Guides: exact dynamic programming of one agent on a lattice of controls, the others held fixed.
+"""Exact dynamic programming of one agent on a lattice of controls, the others held fixed.
 
 Controls are multiples of a part of the greatest one, so every lattice run is an admissible run of
 the integrators. Requirements that the problem does not know are not looked at, so a run is only a
-guide: the MILP near it decides what it is worth.
+reference: the MILP near it decides what it is worth.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ Where a mission maximises robustness, its static bound is very often attained: a
 it is optimal, and no dual work is needed. The search holds rho at that bound and decides which
 alternative each disjunction takes,
 
-    disjunctions that range over time first, the widest first; the alternative that the LP likes,
+    disjunctions that range over time first, the widest first; the alternative that the LP scores,
     every alternative that conflicts with a decision (`analysis/conflicts.py`) is ruled out at once,
     backtracking in order, restarts from other LP vertices (random costs) with growing limits.
 
@@ -28,7 +28,7 @@ from stlc.arrays import Floats
 from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
 from stlc.solve.heuristics.dive_search import DiveSearch, never, required
-from stlc.solve.heuristics.lattice_runs import guides
+from stlc.solve.heuristics.lattice_runs import reference_points
 from stlc.solve.strategy import Strategy, Work
 
 _SHORT = 3e-5  # aim this far below the bound, relative: less than any sensible gap
@@ -63,7 +63,9 @@ def find_start(
     aim = column[2] - _SHORT * abs(column[2])
     search = DiveSearch.of(compiled, column[0], aim, seed)
     search.over = over
-    x, lps = search.run(most_lps, guides(compiled, lambda level: partial(required, level, aim)))
+    x, lps = search.run(
+        most_lps, reference_points(compiled, lambda level: partial(required, level, aim))
+    )
     if x is None:
         return None
     return Start(x, compiled.model.objective(x), _static_bound(compiled.model), lps)

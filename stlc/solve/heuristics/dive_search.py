@@ -55,7 +55,7 @@ class DiveSearch:
     upper: Floats
     lower: Floats
     rng: np.random.Generator
-    liked: Floats  # (n,) by the guide that is followed, zeros without one
+    preference: Floats  # (n,) by the reference that is followed, zeros without one
     lps: int = 0
     spent: int = 0
     restarts: int = 0
@@ -93,24 +93,24 @@ class DiveSearch:
         search._bound(dead, 0.0, 0.0)
         return search
 
-    def run(self, most: int, guides: Iterator[Floats]) -> tuple[Floats | None, int]:
-        """Search; the point and the number of LPs. `guides` are looked at after a short dive."""
+    def run(self, most: int, references: Iterator[Floats]) -> tuple[Floats | None, int]:
+        """Search; the point and the number of LPs. `references` are for after a short dive."""
         if not self._solve():
             return None, self.lps
         limit = max(tuning.DIVE.first_limit, tuning.DIVE.per_choice * len(self.groups))
         most = max(most, tuning.DIVE.granted * int(limit))
         glance = int(max(tuning.DIVE.glance_lps, tuning.DIVE.glance_share * limit))
         found, exhausted = self._dive(glance)
-        for self.liked in guides if found is None and not exhausted else ():
+        for self.preference in references if found is None and not exhausted else ():
             if self.over():
                 break
             self._let_go()
-            if self._fits(np.flatnonzero(self.liked == 1.0)):
+            if self._fits(np.flatnonzero(self.preference == 1.0)):
                 return self._polished(self._point()), self.lps
             found, exhausted = self._dive(glance)
             if found is not None or exhausted:
                 return found, self.lps
-        self.liked = np.zeros(self.model.columns)
+        self.preference = np.zeros(self.model.columns)
         while found is None and not exhausted and self.lps < most and not self.over():
             self._let_go()
             self._shake()
@@ -169,9 +169,9 @@ class DiveSearch:
 
     def _pick(self, x: Floats) -> int | None:
         """The literal to set next; None where all integer columns are integral."""
-        guided = self._follow()
-        if guided is not None:
-            return guided
+        column = self._follow()
+        if column is not None:
+            return column
         part = x[self.integers]
         loose = np.abs(part - np.round(part)) > _INTEGRAL
         if not loose.any():
@@ -181,18 +181,18 @@ class DiveSearch:
         if best < 0 or scores[best] < 0:
             return int(self.integers[loose][np.argmax(part[loose])])
         group = self.groups[best]
-        likes = np.where(self.upper[group] > 0, x[group] + self.liked[group], -1.0)
+        wanted = np.where(self.upper[group] > 0, x[group] + self.preference[group], -1.0)
         if self.restarts:
-            likes = likes * (0.3 + 0.7 * self.rng.random(len(group)))
-        return int(group[np.argmax(likes)])
+            wanted = wanted * (0.3 + 0.7 * self.rng.random(len(group)))
+        return int(group[np.argmax(wanted)])
 
     def _follow(self) -> int | None:
-        """The alternative in time that the guide likes, of a disjunction not yet decided."""
+        """The alternative in time that the reference prefers, of a disjunction not yet decided."""
         for k in map(int, np.flatnonzero(self.over_time & self.asserted)):
             group = self.groups[k]
-            liked = np.where(self.upper[group] > 0, self.liked[group], 0.0)
-            if liked.any() and not (self.lower[group] > 0.5).any():
-                return int(group[np.argmax(liked)])
+            wanted = np.where(self.upper[group] > 0, self.preference[group], 0.0)
+            if wanted.any() and not (self.lower[group] > 0.5).any():
+                return int(group[np.argmax(wanted)])
         return None
 
     def _score(self, k: int, values: Floats) -> float:

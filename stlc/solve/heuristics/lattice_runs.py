@@ -8,8 +8,8 @@ States of the lattice (`lattice.py`) carry a bit for each disjunction that range
 
 and what is asserted at one step (free space, stepping stones) rules out positions of that step.
 Predicates may be missed by a part of the lattice's spacing, and controls kept below their bounds,
-so a run is only a guide: the search of `dive.py` decides what it is worth. What speaks of several
-agents or of rates is left out.
+so a run is only a reference: the search of `dive.py` decides what it is worth. What speaks of
+several agents or of rates is left out.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 _MOST = ((2, 10_000_000), (1, 60_000_000))  # parts of a control, lattice states over all steps
 _MOST_BITS = 6
 _LESS = 0.99
-_GUIDES = ((1.0, 0.0), (0.85, 0.3), (0.9, 0.5), (0.65, 0.4), (0.75, 0.5))
+_LATTICES = ((1.0, 0.0), (0.85, 0.3), (0.9, 0.5), (0.65, 0.4), (0.75, 0.5))
 """Share of the controls; share of the spacing by which predicates may be missed. Exact first."""
 
 
@@ -81,22 +81,22 @@ def parts_by_step(root: Node, agent: str) -> dict[int, frozenset[Node]]:
     return {step: frozenset(nodes) for step, nodes in found.items()}
 
 
-def guides(compiled: Compiled, level_of: Callable[[Level], LevelOf]) -> Iterator[Floats]:
-    """How much each column (n,) is liked by runs of lattices, exact runs first: 1 for the
+def reference_points(compiled: Compiled, level_of: Callable[[Level], LevelOf]) -> Iterator[Floats]:
+    """How much each column (n,) is preferred by runs of lattices, exact runs first: 1 for the
     alternative of a disjunction that holds best on the run, less for the others."""
-    for tight, miss in _GUIDES:
+    for tight, miss in _LATTICES:
         runs = _lattice_runs(compiled, level_of, tight, miss)
         if runs is None:
             continue
-        liked = np.zeros(compiled.model.columns)
+        preference = np.zeros(compiled.model.columns)
         for one in compiled.layout.encoded:
             for _, pairs in one.choices:
                 values = np.array([robustness(part, runs) for part, _ in pairs])
                 if np.isfinite(values.max(initial=-np.inf)):
                     columns = [column for _, column in pairs]
-                    liked[columns] = _LESS / (1.0 + values.max() - values)
-                    liked[columns[int(values.argmax())]] = 1.0  # one alone where several tie
-        yield liked
+                    preference[columns] = _LESS / (1.0 + values.max() - values)
+                    preference[columns[int(values.argmax())]] = 1.0  # one alone where several tie
+        yield preference
 
 
 def _lattice_runs(
@@ -116,14 +116,14 @@ def _lattice_runs(
                 found = Witness.of(node.args, name) if isinstance(node, Or) else None
                 if found is not None:
                     witnesses.append((found, level))
-        run = find_guide(agent, compiled.ranges[name], asserted, witnesses, miss, tight)
+        run = find_run(agent, compiled.ranges[name], asserted, witnesses, miss, tight)
         if run is None:
             return None
         runs[name] = run
     return runs
 
 
-def find_guide(
+def find_run(
     agent: Agent,
     ranges: Ranges,
     asserted: Mapping[int, Sequence[tuple[Node, LevelOf]]],

@@ -1,4 +1,4 @@
-"""Settles exclusive choices that have become free: one alternative asks for nothing any more.
+"""Fixes exclusive choices that have become free: one alternative asks for nothing any more.
 
 Literals z of a choice add up to 1 and cost nothing. If with z_k = 1 and the others 0 every row
 that holds one of them is satisfied wherever the other columns are within their bounds, then any

@@ -15,7 +15,7 @@ from stlc.solve.states.cells import cells_at, cheapest_cells, met
 from stlc.solve.strategy import Work
 
 _TOUCH = 1e-6  # m: cells this close count as touched
-_ROOM = 0.3  # of a cell that a plan may be off its guide
+_ROOM = 0.3  # of a cell that a plan may be off the run that it is looked for around
 _LONG = 1e9  # s: no limit
 _PROOF: dict[str, object] = {
     "mip_heuristic_run_root_reduced_cost": False,

@@ -9,7 +9,7 @@ from support.worlds import value
 from stlc.api import loads
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.solve.heuristics.dive import find_start
-from stlc.solve.heuristics.lattice_runs import guides
+from stlc.solve.heuristics.lattice_runs import reference_points
 
 HEAD = """step 1 s
 horizon {steps}
@@ -38,11 +38,11 @@ def compiled(steps: int) -> Compiled:
 def test_exact_guide_satisfies_the_mission() -> None:
     one = compiled(16)
     aim = 0.9 * one.robustness[None][2]
-    liked = next(guides(one, lambda level: lambda unit: aim))
-    assert ((liked >= 0) & (liked <= 1)).all()
+    preference = next(reference_points(one, lambda level: lambda unit: aim))
+    assert ((preference >= 0) & (preference <= 1)).all()
     for encoded in one.layout.encoded:
         for _, pairs in encoded.choices:
-            assert sum(liked[column] == 1.0 for _, column in pairs) == 1
+            assert sum(preference[column] == 1.0 for _, column in pairs) == 1
 
 
 @pytest.mark.parametrize("steps", [14, 20])
@@ -59,5 +59,5 @@ def test_start_reaches_the_bound_around_a_wall_and_through_a_door(steps: int) ->
 
 def test_no_guide_where_there_is_no_run() -> None:
     one = compiled(16)
-    assert not list(guides(one, lambda level: lambda unit: 1.5))
+    assert not list(reference_points(one, lambda level: lambda unit: 1.5))
     assert np.isfinite(one.robustness[None][2])
