@@ -13,6 +13,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
+from stlc import guard
 from stlc.errors import OutputError
 from stlc.inputs import refuse_input
 
@@ -70,13 +71,16 @@ _SCRATCH: set[Path] = set()  # temporary files and folders that are in use
 
 @contextmanager
 def scratch_folder() -> Iterator[Path]:
-    """A temporary folder, gone when the block ends or the process leaves by `clear_scratch`."""
+    """A temporary folder, gone when the block ends, the process leaves by `clear_scratch`, or (on
+    Linux) it is killed; processes that work in it end then too."""
     folder = Path(tempfile.mkdtemp(prefix="stlc-"))
     _SCRATCH.add(folder)
+    guard.watch(folder)
     try:
         yield folder
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+        guard.release(folder)
         _SCRATCH.discard(folder)
 
 

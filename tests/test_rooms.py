@@ -18,6 +18,7 @@ LEAVES = {
     "errors",
     "diagnostics",
     "files",
+    "guard",
     "inputs",
     "loader",
     "sense",

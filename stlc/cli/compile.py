@@ -65,8 +65,13 @@ def compile_command(
     )
     if output is not None:
         from stlc.milp.writers import write_model
+        from stlc.plan import mission_digest
 
-        write_model(compiled.model, output)
+        made = {
+            "sha256": mission_digest(mission), "params": dict(mission.params),
+            "encoding": encoding, "disable": list(disable),
+        }  # fmt: skip
+        write_model(compiled.model, output, made=made)
         _report(compiled.model, output, quiet=as_json)
     if as_json:
         answer(Statistics.of(compiled).as_dict())

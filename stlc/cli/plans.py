@@ -56,7 +56,7 @@ def plot_command(
 @click.command("read-solution")
 @mission_options
 @click.argument("solution", type=click.Path(path_type=Path))
-@click.option("--encoding", default="auto", show_default=True, help="As given to `compile`.")
+@click.option("--encoding", help="As given to `compile`.")
 @click.option("--disable", multiple=True, metavar="PASS", help="As given to `compile`.")
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="The plan (JSON).")
 def read_solution_command(
@@ -64,23 +64,34 @@ def read_solution_command(
     solution: Path,
     define: tuple[str, ...],
     allow_path: tuple[Path, ...],
-    encoding: str,
+    encoding: str | None,
     disable: tuple[str, ...],
     output: Path | None,
 ) -> int:
     """Turn another solver's SOLUTION of the compiled FILE into a certified, verified plan.
 
-    Reads the formats of HiGHS, CBC, SCIP, GLPK, CPLEX and Gurobi; the model must have been
-    compiled with the same options.
+    Reads the formats of HiGHS, CBC, SCIP, GLPK, CPLEX and Gurobi. Options of `compile` are those of
+    the model beside it (model.sol, model.mps.names.json) unless they are given.
     """
     from stlc.backends.base import Solution, Status
     from stlc.milp.encodings import compile_options
     from stlc.milp.readers import read_solution
     from stlc.milp.writers import safe_names
+    from stlc.milp.writers.sidecar import made_before
+    from stlc.plan import text_digest
     from stlc.solve.judge import Judge
+    from stlc.syntax.read import read_source
 
-    mission = load(file, define, allow_path)
-    compiled = compiled_model(mission, compile_options(encoding, disable))
+    made = made_before(solution, text_digest(read_source(file).text))
+    given = made.get("params", {})
+    told = tuple(f"{name}={value}" for name, value in given.items())
+    mission = load(file, (*told, *define), allow_path)
+    compiled = compiled_model(
+        mission,
+        compile_options(
+            encoding or made.get("encoding", "auto"), disable or tuple(made.get("disable", ()))
+        ),
+    )
     x = read_solution(solution, safe_names(compiled.model)[0])
     check_outputs(output)
     claim = Solution(Status.FEASIBLE, x, compiled.model.objective(x), solver=solution.name)

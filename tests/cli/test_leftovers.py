@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -64,3 +65,29 @@ def test_nothing_stays_behind(name: str, end: str, tmp_path: Path) -> None:
             break
         time.sleep(0.05)
     assert _ours(scratch) == []
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells who works in which folder")
+@pytest.mark.parametrize("name", COMMANDS)
+def test_nothing_outlives_a_command_that_was_killed(name: str, tmp_path: Path) -> None:
+    long_mission(tmp_path, 12)
+    scratch = tmp_path / "scratch"
+    scratch.mkdir()
+    process = subprocess.Popen(
+        command(*COMMANDS[name], "--progress", "ndjson"), cwd=tmp_path, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        env={**os.environ, "TMPDIR": str(scratch)},
+    )  # fmt: skip
+    wait_for(process, "statistics" if name == "solve" else "status")
+    for _ in range(200):
+        if list(scratch.glob("stlc-*/*")):
+            break
+        time.sleep(0.05)
+    process.kill()
+    process.communicate(timeout=LIMIT)
+    for _ in range(400):
+        if not _ours(scratch):
+            break
+        time.sleep(0.05)
+    assert _ours(scratch) == []
+    assert list(scratch.glob("stlc-*")) == []

@@ -29,6 +29,24 @@ def test_there_and_back(solver: str, kind: str, tmp_path: Path) -> None:
     assert stlc("verify", "m.stl", "p.json", folder=tmp_path).returncode == 0
 
 
+def test_a_solution_is_read_with_the_options_of_the_model_beside_it(tmp_path: Path) -> None:
+    text = "param far = 2 m\n" + MISSION.replace("box [2, 3]", "box [far, far + 1 m]")
+    (tmp_path / "m.stl").write_text(text)
+    model, solution = tmp_path / "m.mps", tmp_path / "m.sol"
+    done = stlc("compile", "m.stl", "-D", "far=2.5", "-o", model, folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    next(iter(solvers().values()))(model, solution)
+    done = stlc("read-solution", "m.stl", solution, "-o", "p.json", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    plan = read_plan(tmp_path / "p.json")
+    assert plan.params == {"far": "2.5"}
+    assert plan.runs["a"].states[:, 0].max() >= 2.5 - 1e-6
+    (tmp_path / "m.stl").write_text(text + "# another mission\n")
+    done = stlc("read-solution", "m.stl", solution, "-o", "p.json", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert read_plan(tmp_path / "p.json").params == {}
+
+
 def test_backends_need_no_solver_on_the_path(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

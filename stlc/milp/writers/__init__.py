@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import gzip
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 from stlc.errors import UsageError
 from stlc.files import atomic_output, write_atomic
@@ -20,8 +21,16 @@ __all__ = ["safe_names", "sidecar_path", "write_model"]
 _WRITERS = {".mps": mps_chunks, ".lp": lp_chunks}
 
 
-def write_model(model: Model, path: str | os.PathLike[str], *, sidecar: bool = True) -> None:
+def write_model(
+    model: Model,
+    path: str | os.PathLike[str],
+    *,
+    sidecar: bool = True,
+    made: Mapping[str, Any] | None = None,
+) -> None:
     """Write LP or MPS by the suffix (`.gz` compresses), and `PATH.names.json` beside it.
+
+    `made` is noted in the latter: how the model came about.
 
     The same model gives the same bytes. Raises UsageError for another suffix, OutputError when a
     file cannot be written (nothing half-written is left).
@@ -33,7 +42,7 @@ def write_model(model: Model, path: str | os.PathLike[str], *, sidecar: bool = T
         raise UsageError(f"{target}: name a file .lp, .mps, .lp.gz or .mps.gz")
     chunks = writer(model, *safe_texts(model))
     if sidecar:
-        write_atomic(sidecar_path(target), sidecar_json(model))
+        write_atomic(sidecar_path(target), sidecar_json(model, made))
     _write(chunks, target, compress=target.suffix == ".gz")
 
 

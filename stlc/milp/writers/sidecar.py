@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import glob
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +20,16 @@ def sidecar_path(path: Path) -> Path:
     return path.with_name(path.name + ".names.json")
 
 
-def sidecar_json(model: Model) -> str:
-    """Each block of columns and rows: names, shape, and the requirement it was compiled from."""
+def sidecar_json(model: Model, made: Mapping[str, Any] | None = None) -> str:
+    """Each block of columns and rows: names, shape, and the requirement it was compiled from.
+
+    `made` tells how, so that a solution can be read the same way.
+    """
     free = np.isneginf(model.row_lower) & np.isposinf(model.row_upper)
     content = {
         "format": "stlc names 1",
         "model": model.name,
+        "made": dict(made or {}),
         "naming": (
             "member (i, j) of a block is PREFIX_i_j; a second half of a two-sided row "
             f"ends in {UPPER}"
@@ -36,6 +41,20 @@ def sidecar_json(model: Model) -> str:
         "rows_left_out": np.flatnonzero(free).tolist(),  # they bound nothing
     }
     return json.dumps(content, indent=1) + "\n"
+
+
+def made_before(solution: Path, sha256: str) -> Mapping[str, Any]:
+    """What a model beside a solution, of the same name, was made with, if of the text `sha256`."""
+    stem = glob.escape(solution.name.partition(".")[0])
+    for path in sorted(solution.parent.glob(f"{stem}.*names.json")):
+        try:
+            content = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError, RecursionError):
+            continue
+        made = content.get("made") if isinstance(content, dict) else None
+        if isinstance(made, dict) and made.get("sha256") == sha256:
+            return made
+    return {}
 
 
 def _blocks(blocks: Sequence[Block], letter: str) -> list[dict[str, Any]]:
