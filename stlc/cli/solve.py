@@ -64,8 +64,8 @@ class _Words:
     "--max-size", type=click.IntRange(1), metavar="PARTS", help="Build models up to this size."
 )
 @click.option("--disable", multiple=True, metavar="PASS", help="Leave a pass out (ablation).")
-@click.option("--strategy", type=click.Choice(["auto", "milp"]), default="auto", show_default=True,
-              help="`milp`: one solve of the compiled model, no bounding ahead of it.")  # fmt: skip
+@click.option("--strategy", default="auto", show_default=True, metavar="NAME",
+              help="`milp`: one plain solve; another's name: it, then `milp`.")  # fmt: skip
 @click.option("--time-limit", type=click.FloatRange(min=0), metavar="S",
               help="Seconds for the solver; the best plan so far stands.")  # fmt: skip
 @click.option("--gap", type=click.FloatRange(min=0), default=1e-4, show_default=True,
@@ -135,7 +135,9 @@ def _settings(mission: Mission, given: _Words) -> SolveSettings:
     from stlc.milp.encodings import compile_options
     from stlc.plan import read_plan, shifted
     from stlc.solve.outcome import SolveSettings
+    from stlc.solve.strategies import strategies_named
 
+    strategies_named(given.strategy)  # an unknown name is told before the mission is compiled
     start = read_plan(given.start) if given.start else None
     if given.shift and start is None:
         raise click.UsageError("--shift needs --start")

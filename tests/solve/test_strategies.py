@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 import pytest
+from support.command import MISSION
+from support.command import inside as stlc
 
 from stlc.analysis.reach import tidy
 from stlc.backends.base import Backend, Solution, SolveOptions, Status
@@ -53,3 +56,12 @@ def test_no_second_question_without_time_or_for_others() -> None:
 def test_tidy_clears_dust_only() -> None:
     ends = np.array([1 + 1e-9, -3 - 2e-9, 0.25, 1 / 3, np.inf, 1 - 1e-7])
     assert tidy(ends).tolist() == [1.0, -3.0, 0.25, 1 / 3, np.inf, 1 - 1e-7]
+
+
+def test_one_strategy_runs_ahead_of_milp_by_its_name(tmp_path: Path) -> None:
+    (tmp_path / "m.stl").write_text(MISSION)
+    found = stlc("solve", "m.stl", "--strategy", "lone", folder=tmp_path)
+    assert found.returncode == 0
+    wrong = stlc("solve", "m.stl", "--strategy", "alone", folder=tmp_path)
+    assert wrong.returncode == 2
+    assert "no strategy is called 'alone'" in wrong.stderr
