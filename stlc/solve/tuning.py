@@ -53,6 +53,7 @@ class Team:
     dive_seconds: float = 8.0
     polish_seconds: float = 10.0
     fine_states: int = 60_000  # pairs of states at a step: more are not refined
+    border_states: int = 30_000  # and where borders do not become cells, which makes 10 times more
     plunge_every: int = 8  # nodes
     plunge_cut: float = 0.75  # of the gap, while plunging
 

@@ -10,56 +10,25 @@ from __future__ import annotations
 
 import itertools
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from stlc.arrays import Bools, Floats, Ints
+from stlc.arrays import Bools, Floats
 from stlc.solve import tuning
-from stlc.solve.bounders.agreement import Agreement, Pair, Prices, no_prices
+from stlc.solve.bounders.agreement import Agreement, Pair, no_prices
 from stlc.solve.bounders.prices import blocks, masked, prices_of_finer_cells, sliced
 from stlc.solve.bounders.shares import coarsened
+from stlc.solve.bounders.team_node import Node, Taken, everything, keep, kept
+from stlc.solve.relaxation.borders import taken
 from stlc.solve.relaxation.problem import Problem
+from stlc.solve.relaxation.recognise import recognise
 from stlc.solve.restricted.session import Session
-from stlc.solve.states.layers import Layer, Maker, cells_of, rate_borders, restrict, with_choice
+from stlc.solve.states.layers import Layer, Maker, cells_of, rate_borders, with_choice
 from stlc.solve.states.tubes import tubes
 from stlc.solve.tree import Expansion, branch_and_bound
 
 _POINT = 1e-6  # m
-
-Taken = tuple[tuple[int, ...], ...]
-
-
-@dataclass(slots=True)
-class Node:
-    """masks[pair][t]: alive pairs of states (None: all)."""
-
-    bound: float
-    taken: Taken
-    rows: list[list[Layer]]
-    prices: Prices
-    masks: dict[Pair, list[Bools]] | None
-    bins: int = 1
-    tried: bool = False
-
-    @property
-    def has_open_choice(self) -> bool:
-        """Whether some choice is open."""
-        return max(map(len, self.taken)) > 1
-
-    @property
-    def size(self) -> int:
-        """Most pairs of states that two agents have at a step."""
-        return max(
-            len(self.rows[i][t]) * len(self.rows[j][t])
-            for i, j in self.prices.states
-            for t in range(len(self.rows[i]))
-        )
-
-    @property
-    def empty(self) -> bool:
-        """Whether some agent has nowhere to be."""
-        return any(len(layer) == 0 for row in self.rows for layer in row)
 
 
 def climb(agreement: Agreement, rounds: int, session: Session, cutoff: float, whole: bool) -> None:
@@ -99,6 +68,7 @@ class Tree:
         agents = range(len(self.problem.bodies))
         self._free = itertools.cycle(itertools.combinations(agents, 2))
         self._polished = np.inf
+        self._bordered: Problem | None = None
 
     def run(self) -> None:
         """Best bound first, until the incumbent is proven or the session stops."""
@@ -114,14 +84,16 @@ class Tree:
             return None
         coarse = coarsened(self.problem, tuning.TEAM.coarse_cells)
         rows = self._layers(coarse, taken, 1)
-        node = Node(-np.inf, taken, rows, no_prices(list(coarse.pairs), rows), None)
-        if coarse is self.problem or node.empty:
+        node = Node(-np.inf, coarse, taken, rows, no_prices(list(coarse.pairs), rows), None)
+        if node.empty:
             return node
-        self._tighten(node, tuning.TEAM.coarse_rounds, coarse, np.inf)
+        if coarse is self.problem:
+            return self._with_borders(node) if node.size <= tuning.TEAM.border_states else node
+        self._tighten(node, tuning.TEAM.coarse_rounds, np.inf)
         fine = self._layers(self.problem, taken, 1)
         host = blocks(self.problem, coarse)
         prices = prices_of_finer_cells(node.prices, node.rows, fine, host)
-        return Node(node.bound, taken, fine, prices, None)
+        return Node(node.bound, self.problem, taken, fine, prices, None)
 
     def _layers(self, problem: Problem, taken: Taken, bins: int) -> list[list[Layer]]:
         return [self._maker(problem, n, part, bins).layers() for n, part in enumerate(taken)]
@@ -137,11 +109,13 @@ class Tree:
         session, first = self.session, node.masks is None
         session.nodes, self.visited = session.nodes + 1, self.visited + 1
         rounds = tuning.TEAM.root_rounds if first else tuning.TEAM.rounds
-        agreement = self._tighten(node, rounds, self.problem, session.cutoff)
+        agreement = self._tighten(node, rounds, session.cutoff)
         if agreement is None:
             return Expansion(closed=max(node.bound, session.cutoff))
         if session.stopped():
             return Expansion((node,))
+        if not node.problem.borders and node.size <= tuning.TEAM.border_states:
+            return Expansion((self._with_borders(node),))
         if (
             not node.has_open_choice
             and node.bins < tuning.TEAM.rate_bins
@@ -163,9 +137,7 @@ class Tree:
             self._polish()
         return self._branch(node)
 
-    def _tighten(
-        self, node: Node, rounds: int, problem: Problem, cutoff: float
-    ) -> Agreement | None:
+    def _tighten(self, node: Node, rounds: int, cutoff: float) -> Agreement | None:
         """Climb at a node and keep what is alive; None when nothing below the cutoff is left."""
         if node.empty:
             node.bound = np.inf
@@ -173,7 +145,7 @@ class Tree:
         whole = node.masks is None and all(
             t.possible == own for t, own in zip(self.tubes, node.taken, strict=True)
         )
-        agreement = Agreement(problem, node.rows, node.prices, node.masks, self.pool)
+        agreement = Agreement(node.problem, node.rows, node.prices, node.masks, self.pool)
         climb(agreement, rounds, self.session, cutoff, whole)
         node.bound = max(node.bound, agreement.bound)
         if node.bound >= cutoff:
@@ -184,31 +156,53 @@ class Tree:
 
     def _refine(self, node: Node, bins: int) -> None:
         """Children of the alive states on a finer grid of rates."""
-        rows = [
-            self._maker(self.problem, n, node.taken[n], bins).layers(row)
-            for n, row in enumerate(node.rows)
-        ]
+        rows = self._children(node, node.problem, bins)
         index = [[layer.parent for layer in row] for row in rows]
         node.rows, node.bins = rows, bins
         node.prices, node.masks = sliced(node.prices, index), masked(node.masks, index)
 
+    def _children(self, node: Node, problem: Problem, bins: int) -> list[list[Layer]]:
+        return [
+            self._maker(problem, n, node.taken[n], bins).layers(row)
+            for n, row in enumerate(node.rows)
+        ]
+
+    def _with_borders(self, node: Node) -> Node:
+        """Borders of alive cells as cells of their own. A plan is in that of the touching cells
+        that its first tables take: states are kept for any of them, all pairs of states at first.
+        """
+        if self._bordered is None:
+            self._bordered = recognise(self.frame.compiled, borders=True)
+        assert self._bordered is not None
+        rows = self._children(node, self._bordered, node.bins)
+        prices = sliced(node.prices, [[layer.parent for layer in row] for row in rows])
+        masks = None if node.masks is None else {
+            (i, j): [np.ones((len(a), len(b)), bool) for a, b in zip(rows[i], rows[j], strict=True)]
+            for i, j in node.masks
+        }  # fmt: skip
+        return replace(node, problem=self._bordered, rows=rows, prices=prices, masks=masks)
+
     def _alive_cells(self, node: Node) -> dict[Pair, list[Bools]]:
-        """Cell pairs (cells, cells) at each step."""
+        """Cell pairs (cells, cells) at each step, those taken where borders are cells."""
         assert node.masks is not None
-        return {
+        found = {
             p: [
-                cells_of(mask, node.rows[p[0]][t], node.rows[p[1]][t], self.problem.cells)
+                cells_of(mask, node.rows[p[0]][t], node.rows[p[1]][t], node.problem.cells)
                 for t, mask in enumerate(masks)
             ]
             for p, masks in node.masks.items()
         }
+        if not node.problem.borders:
+            return found
+        return {p: [taken(v, self.problem.shape) for v in row] for p, row in found.items()}
 
     def _count(self, node: Node) -> int:
         return sum(int(v.sum()) for row in self._alive_cells(node).values() for v in row[1:])
 
     def _solve(self, node: Node, seconds: float) -> float:
         """Give the node to the solver; its bound."""
-        lower, upper = self.frame.narrowed(node.taken, node.rows, self._alive_cells(node))
+        cells, by_table = self._alive_cells(node), node.problem.borders
+        lower, upper = self.frame.narrowed(node.taken, node.rows, cells, by_table)
         return self.session.milp(lower, upper, seconds, 0.5 * self.session.options.gap)
 
     # -- plans --------------------------------------------------------------------------------
@@ -222,13 +216,13 @@ class Tree:
         part = replace(part, rows=list(part.rows))
         session = self.session
         top = min(session.cutoff, node.bound + abs(node.bound) + 1.0)
-        if self._tighten(part, tuning.TEAM.rounds, self.problem, top) is None:
+        if self._tighten(part, tuning.TEAM.rounds, top) is None:
             return
         parts = [part]
         while self._count(parts[-1]) > tuning.TEAM.dive_pairs and not session.stopped():
             part = replace(parts[-1], rows=list(parts[-1].rows))
             top = part.bound + tuning.TEAM.plunge_cut * (top - part.bound)
-            if self._tighten(part, 2, self.problem, top) is None:
+            if self._tighten(part, 2, top) is None:
                 break
             parts.append(part)
         before, until = session.value, session.seconds + tuning.TEAM.dive_seconds
@@ -273,10 +267,10 @@ class Tree:
         return Expansion(tuple(self._child(node, n, part) for part in (own[:half], own[half:])))
 
     def _child(self, node: Node, n: int, part: tuple[int, ...]) -> Node:
-        index = _everything(node)
+        index = everything(node)
         row, index[n] = with_choice(self.problem.bodies[n], self.tubes[n], part, node.rows[n])
         taken = tuple(part if k == n else t for k, t in enumerate(node.taken))
-        child = _kept(replace(node, taken=taken, tried=False), index)
+        child = kept(replace(node, taken=taken, tried=False), index)
         child.rows[n] = row
         return child
 
@@ -294,27 +288,7 @@ class Tree:
         middle = (at.min() + at.max()) / 2
         out = []
         for side in (at <= middle, at > middle):
-            index = _everything(node)
+            index = everything(node)
             index[n][t] = np.flatnonzero(side)
-            out.append(_kept(replace(node, tried=False), index))
+            out.append(kept(replace(node, tried=False), index))
         return Expansion(tuple(out))
-
-
-def _everything(node: Node) -> list[list[Ints]]:
-    return [[np.arange(len(layer)) for layer in row] for row in node.rows]
-
-
-def keep(node: Node, index: list[list[Ints]]) -> None:
-    """Only some states of each agent and step."""
-    for n, row in enumerate(node.rows):
-        masks = [np.zeros(len(layer), bool) for layer in row]
-        for mask, kept in zip(masks, index[n], strict=True):
-            mask[kept] = True
-        node.rows[n] = [restrict(layer, m) for layer, m in zip(row, masks, strict=True)]
-    node.prices, node.masks = sliced(node.prices, index), masked(node.masks, index)
-
-
-def _kept(node: Node, index: list[list[Ints]]) -> Node:
-    node.rows = [list(row) for row in node.rows]
-    keep(node, index)
-    return node

@@ -1,7 +1,8 @@
 """Link costs as the relaxation counts them: by pair and step, over the common grid.
 
 A state of an agent is in the cell that the first table of that agent and step takes. On a border
-every other table may take another of the touching cells, so it counts with the least of them.
+every other table may take another of the touching cells, so it counts with the least of them; with
+`borders` as cells of their own only there.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import numpy as np
 
 from stlc.arrays import Bools, Floats, Ints
 from stlc.radio.partition import TOUCH, Partition
+from stlc.solve.relaxation.borders import with_borders
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,15 +54,19 @@ class Costs:
     names: Sequence[str]
     partition: Partition
     horizon: int
+    borders: bool = False
     pairs: dict[tuple[int, int], list[Floats | None]] = field(default_factory=dict)
     alone: list[list[Floats | None]] = field(init=False)
     _owner: Ints = field(init=False)
+    _shape: tuple[int, int] = field(init=False)
     _touching: Touching = field(init=False)
     _first: dict[tuple[str, int], object] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.alone = [[None] * (self.horizon + 1) for _ in self.names]
-        self._owner = np.maximum(self.partition.common_grid()[1], 0)
+        fine, owner = self.partition.common_grid()
+        assert fine.shape is not None
+        self._owner, self._shape = np.maximum(owner, 0), fine.shape
         self._touching = Touching.of(self.partition.boxes)
 
     def add(
@@ -73,6 +79,11 @@ class Costs:
         ends = [n for n in pair if n in self.names]
         if not ends or len(ends) < table.ndim:
             return False
+        if self.borders:
+            own = with_borders(self._on_fine(table), self._shape) if table.ndim else table
+            for t in steps:
+                self._count(ends, own, t)
+            return True
         user = object()
         made: dict[tuple[bool, ...], Floats] = {}
         for t in steps:

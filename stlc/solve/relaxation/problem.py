@@ -85,6 +85,7 @@ class Problem:
     `rest` is a lower bound on the part of the objective that no pair counts: what stands nowhere
     here, and the own costs of agents in no pair. `owner` (n,) maps a cell to the partition's own
     cell, -1 where there is none. `costly`: links have a cost; otherwise they are only asked for.
+    `borders`: those between cells are cells too (see `borders.py`), `owner` is 0 throughout.
     """
 
     steps: int
@@ -97,11 +98,13 @@ class Problem:
     key: bytes
     apart: tuple[Apart, ...] = ()
     costly: bool = True
+    borders: bool = False
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Cells along x and y."""
-        return len(self.edges[0]) - 1, len(self.edges[1]) - 1
+        """Cells along x and y, borders counted where they are cells of their own."""
+        nx, ny = (len(e) - 1 for e in self.edges)
+        return (2 * nx - 1, 2 * ny - 1) if self.borders else (nx, ny)
 
     @property
     def cells(self) -> int:

@@ -27,8 +27,8 @@ from stlc.solve.relaxation.costs import Costs
 from stlc.solve.relaxation.problem import Apart, Body, Problem
 
 
-def recognise(compiled: Compiled) -> Problem | None:
-    """The relaxation's view, or None where it has nothing to say."""
+def recognise(compiled: Compiled, *, borders: bool = False) -> Problem | None:
+    """The relaxation's view, or None where it has nothing to say. `borders`: as cells."""
     mission = compiled.mission
     links = [t for t in mission.objective if t.kind is TermKind.LINK_COST and t.weight != 0]
     efforts = [t for t in mission.objective if t.kind is TermKind.EFFORT and t.weight != 0]
@@ -48,7 +48,7 @@ def recognise(compiled: Compiled) -> Problem | None:
     found = [b for b in bodies if b is not None]
     if len(found) < len(bodies) or not _inside(compiled, names, channel.partition):
         return None
-    return _with_costs(compiled, found, links, asked, channel)
+    return _with_costs(compiled, found, links, asked, channel, borders)
 
 
 def _inside(compiled: Compiled, names: Sequence[str], partition: Partition) -> bool:
@@ -69,13 +69,14 @@ def _with_costs(
     links: list[ObjectiveTerm],
     asked: Sequence[_Asked],
     channel: Channel,
+    borders: bool,
 ) -> Problem:
     """The relaxed problem over one channel's partition. Costs over other cells, and least costs of
     agents in no pair, come in as a constant."""
     mission, partition = compiled.mission, channel.partition
     fine, owner = partition.common_grid()
     assert fine.edges is not None
-    costs, rest = Costs([b.name for b in bodies], partition, mission.horizon), 0.0
+    costs, rest = Costs([b.name for b in bodies], partition, mission.horizon, borders), 0.0
     for term in links:
         assert term.channel is not None
         other, steps = mission.channels[term.channel], steps_of(mission, term)[0]
@@ -94,10 +95,12 @@ def _with_costs(
         if np.array_equal(other.partition.boxes, partition.boxes):
             costs.add(link.pair, np.where(link.allowed, 0.0, forbidding), at, proof=bool(links))
     key = np.ascontiguousarray(partition.boxes, dtype=np.float64).tobytes()
+    if borders:
+        owner = np.zeros(np.prod([2 * (len(e) - 1) - 1 for e in fine.edges]), np.int64)
     return Problem(
         mission.horizon, fine.edges, tuple(bodies),
         {k: tuple(v) for k, v in costs.pairs.items()}, tuple(tuple(a) for a in costs.alone), rest,
-        owner.astype(np.int64), key, tuple(_apart(compiled, bodies)), bool(links),
+        owner.astype(np.int64), key, tuple(_apart(compiled, bodies)), bool(links), borders,
     )  # fmt: skip
 
 

@@ -97,11 +97,14 @@ class Frame:
             if j not in taken:
                 upper[place.column] = 0.0
 
-    def keep_pairs(self, upper: Floats, pair: tuple[int, int], alive: Sequence[Bools]) -> None:
-        """Rule out pair columns; alive[t] is (n, n) over the problem's cells, for t = 0..T."""
+    def keep_pairs(
+        self, upper: Floats, pair: tuple[int, int], alive: Sequence[Bools], taken: bool = False
+    ) -> None:
+        """Rule out pair columns; alive[t] is (n, n) over the problem's cells, for t = 0..T: cells
+        that agents are in, or (`taken`) that tables may take."""
         for block in self.blocks.get(pair, ()):
             live = self._on_partition(alive[block.step])
-            if any(block.beside):
+            if any(block.beside) and not taken:
                 live = self._touching.around(live, block.beside)
             dead = ~live[np.ix_(*block.cells)]
             upper[block.columns[dead]] = 0.0
@@ -118,16 +121,17 @@ class Frame:
 
     def narrowed(
         self, taken: Sequence[Sequence[int]], rows: Sequence[Sequence[Layer]],
-        alive: Mapping[tuple[int, int], Sequence[Bools]],
+        alive: Mapping[tuple[int, int], Sequence[Bools]], taken_cells: bool = False,
     ) -> tuple[Floats, Floats]:  # fmt: skip
-        """Column bounds with each agent's alternatives, layers 0..T and cell pairs drawn in."""
+        """Column bounds with each agent's alternatives, layers 0..T and cell pairs drawn in; see
+        `keep_pairs`."""
         lower, upper = self.bounds()
         for n, row in enumerate(rows):
             self.choose(upper, n, taken[n])
             for t, layer in enumerate(row[1:], start=1):
                 self.confine(lower, upper, n, t, layer.bounds())
         for pair, cells in alive.items():
-            self.keep_pairs(upper, pair, cells)
+            self.keep_pairs(upper, pair, cells, taken_cells)
         return lower, upper
 
     def reduce(self, lower: Floats, upper: Floats, cutoff: float = np.inf) -> Reduced | None:

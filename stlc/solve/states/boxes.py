@@ -21,6 +21,7 @@ class AxisGrid:
     host (n, 2): the part of the cell that a thin box lies at the end of, else the box itself.
     room (n, 4): the part of the box that can be reached, in which steps begin and end.
     slope (n, 2): of the potential on p and w (see `joint`).
+    borders: cells are numbered with the borders between them, see `relaxation/borders`.
     """
 
     box: Floats
@@ -29,26 +30,30 @@ class AxisGrid:
     host: Floats
     room: Floats
     slope: Floats
+    borders: bool = False
 
     def take(self, kept: Ints) -> AxisGrid:
         """Some of the boxes."""
         return AxisGrid(
             self.box[kept], self.cell[kept], self.thin[kept], self.host[kept], self.room[kept],
-            self.slope[kept],
+            self.slope[kept], self.borders,
         )  # fmt: skip
 
 
-def axis_grid(edges: Floats, faces: Sequence[float], rates: Floats) -> AxisGrid:
+def axis_grid(
+    edges: Floats, faces: Sequence[float], rates: Floats, borders: bool = False
+) -> AxisGrid:
     """Cells cut at faces, times bins of the rate.
 
     Cells are closed and so is the outside of an obstacle: where a face lies on a cell border, an
     agent on it may count in the cell behind. Such points get boxes of zero width, at the end.
+    With `borders` each border between two cells is a cell of zero width itself.
     """
     inner = [f for f in faces if edges[0] < f < edges[-1] and np.abs(edges - f).min() > TOUCH]
     cuts = np.unique(np.concatenate([edges, inner]))
     parts = np.stack([cuts[:-1], cuts[1:]], 1)
-    cell = np.searchsorted(edges, parts.mean(1)) - 1
-    thin = _borders(edges, faces)
+    cell = (np.searchsorted(edges, parts.mean(1)) - 1) * (2 if borders else 1)
+    thin = _all_borders(edges, faces) if borders else _borders(edges, faces)
     at = np.array([[low, high] for low, high, _ in thin]).reshape(-1, 2)
     behind = np.array([c for _, _, c in thin], np.int64)
     hosts = [_host(parts[cell == c], ends) for ends, c in zip(at, behind, strict=True)]
@@ -60,7 +65,13 @@ def axis_grid(edges: Floats, faces: Sequence[float], rates: Floats) -> AxisGrid:
     box = np.hstack([np.repeat(span, bins, axis=0), rate])
     narrow = np.repeat(span[:, 1] - span[:, 0] <= 2 * TOUCH, bins)
     return AxisGrid(
-        box, np.repeat(cell, bins), narrow, np.repeat(host, bins, axis=0), box, _flat(len(box))
+        box,
+        np.repeat(cell, bins),
+        narrow,
+        np.repeat(host, bins, axis=0),
+        box,
+        _flat(len(box)),
+        borders,
     )
 
 
@@ -75,8 +86,20 @@ def _borders(edges: Floats, faces: Sequence[float]) -> list[tuple[float, float, 
     return sorted(found)
 
 
+def _all_borders(edges: Floats, faces: Sequence[float]) -> list[tuple[float, float, int]]:
+    """(low, high, cell): each inner border as a cell, and the outer ones that a face lies on."""
+    last = len(edges) - 2
+    outer = [(low, high, 2 * c) for low, high, c in _borders(edges, faces)
+             if (c == 0 and low <= edges[0] + TOUCH)
+             or (c == last and high >= edges[-1] - TOUCH)]  # fmt: skip
+    near = [[e, *(f for f in faces if abs(f - e) <= TOUCH)] for e in edges[1:-1].tolist()]
+    return [(min(at), max(at), 2 * k + 1) for k, at in enumerate(near)] + outer
+
+
 def _host(parts: Floats, ends: Floats) -> Floats:
-    """The part (of one cell) nearest to a thin box."""
+    """The part (of one cell) nearest to a thin box; nothing for a border that is a cell."""
+    if not len(parts):
+        return np.array([np.inf, -np.inf])
     gap = np.abs(parts.mean(1) - ends.mean())
     nearest: Floats = parts[int(np.argmin(gap))]
     return nearest

@@ -70,7 +70,10 @@ class Maker:
     def layers(self, old: Sequence[Layer] | None = None) -> list[Layer]:
         """Layers 0..T; with `old` only children of its states."""
         grids = [
-            axis_grid(self.problem.edges[d], _faces(self.body, d), self.bins[d]) for d in (0, 1)
+            axis_grid(
+                self.problem.edges[d], _faces(self.body, d), self.bins[d], self.problem.borders
+            )
+            for d in (0, 1)
         ]
         out = [start_layer(self.body)]
         for t in range(1, self.problem.steps + 1):
@@ -149,7 +152,7 @@ def admissible(body: Body, t: int, x: AxisGrid, y: AxisGrid, ix: Ints, iy: Ints)
 
 def _outside(body: Body, t: int, x: AxisGrid, y: AxisGrid, host_x: int, host_y: int) -> Bools:
     """(nx, ny): with some width in an alternative of every avoidance; hosts for thin boxes."""
-    fine = np.ones((len(x.box), len(y.box)), bool)
+    fine = np.logical_and.outer(_known(x, bool(host_x)), _known(y, bool(host_y)))
     for group in body.avoid.get(t, ()):
         some = np.zeros_like(fine)
         for box in group:
@@ -158,6 +161,12 @@ def _outside(body: Body, t: int, x: AxisGrid, y: AxisGrid, host_x: int, host_y: 
             )
         fine &= some
     return fine
+
+
+def _known(grid: AxisGrid, host: bool) -> Bools:
+    """Boxes, or those that have a host: borders that are cells themselves have none."""
+    part = grid.host if host else grid.box[:, :2]
+    return np.asarray(part[:, 0] <= part[:, 1])
 
 
 def _overlaps(grid: AxisGrid, span: Floats, host: bool) -> Bools:
@@ -233,28 +242,34 @@ def _projected(x: AxisGrid, y: AxisGrid, ix: Ints, iy: Ints, d: Floats) -> Float
 
 def _children(x: AxisGrid, y: AxisGrid, old: Layer) -> tuple[Ints, Ints, Ints]:
     """Boxes within states of `old`, and for both bits the state (or -1)."""
-    px, py = _parents(x, old.x), _parents(y, old.y)
-    table = np.full((2, len(old.x.box), len(old.y.box)), -1, np.int64)
+    table = np.full((2, len(old.x.box) + 1, len(old.y.box) + 1), -1, np.int64)
     table[old.bit, old.ix, old.iy] = np.arange(len(old))
-    known = (px[:, None] >= 0) & (py[None] >= 0)
-    full = np.where(known, table[:, px][:, :, py], -1)
+    full = np.maximum.reduce(
+        [table[:, px][:, :, py] for px in _parents(x, old.x) for py in _parents(y, old.y)]
+    )
     ix, iy = np.nonzero((full >= 0).any(0))
     return ix, iy, full[:, ix, iy]
 
 
 def _inheriting(fine: AxisGrid, coarse: AxisGrid) -> AxisGrid:
     """Fine boxes with the slopes of those that hold them."""
-    slope = coarse.slope[_parents(fine, coarse)]
+    slope = coarse.slope[_parents(fine, coarse)[0]]
     return replace(fine, slope=slope)
 
 
 def _parents(fine: AxisGrid, coarse: AxisGrid) -> Ints:
-    """For each fine box the coarse box that holds it, or -1 where that one is gone."""
+    """(k, n): for each fine box the coarse boxes that hold it, filled up with -1. A border that
+    has become a cell lies in those on both sides."""
     a, b = fine.box[:, None, :], coarse.box[None, :, :]
     inside = (a[..., 0] >= b[..., 0] - 1e-9) & (a[..., 1] <= b[..., 1] + 1e-9)
     inside &= (a[..., 2] >= b[..., 2] - 1e-9) & (a[..., 3] <= b[..., 3] + 1e-9)
-    inside &= (fine.cell[:, None] == coarse.cell[None]) & (fine.thin[:, None] == coarse.thin[None])
-    return np.where(inside.any(1), inside.argmax(1), -1)
+    if fine.borders and not coarse.borders:
+        inside &= np.abs(fine.cell[:, None] - 2 * coarse.cell[None]) <= 1
+    else:
+        inside &= fine.cell[:, None] == coarse.cell[None]
+        inside &= fine.thin[:, None] == coarse.thin[None]
+    order = np.argsort(~inside, axis=1, kind="stable")[:, : max(1, int(inside.sum(1).max()))]
+    return np.where(np.take_along_axis(inside, order, axis=1), order, -1).T
 
 
 def restrict(layer: Layer, keep: Bools) -> Layer:

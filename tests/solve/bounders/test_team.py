@@ -20,7 +20,6 @@ from stlc.milp.compile import Compiled, compile_mission
 from stlc.solve import tuning
 from stlc.solve.bounders.agreement import Agreement, no_prices
 from stlc.solve.bounders.shares import coarsened
-from stlc.solve.relaxation.costs import Touching
 from stlc.solve.relaxation.problem import Problem
 from stlc.solve.relaxation.recognise import recognise
 from stlc.solve.restricted.frame import Frame
@@ -76,11 +75,16 @@ def test_same_optimum_as_the_plain_milp(name: str, seed: int, tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("borders", [0, 30, 30_000])
 def test_same_optimum_by_branching_alone(
-    seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    seed: int, borders: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Prices from merged cells; next to nothing goes to the solver before it is small."""
-    small = replace(tuning.TEAM, coarse_cells=4, leaf_pairs=60, open_leaf_pairs=20, dive_pairs=60)
+    """Prices from merged cells; next to nothing goes to the solver before it is small. Borders
+    are cells never, from nodes of few states on, or always."""
+    small = replace(
+        tuning.TEAM, coarse_cells=4 if borders < 1000 else 100, leaf_pairs=60, open_leaf_pairs=20,
+        dive_pairs=60, border_states=borders,
+    )  # fmt: skip
     monkeypatch.setattr(tuning, "TEAM", small)
     compiled = _compiled(tmp_path, seed, Variant(agents=3, steps=3, cells=4))
     backend = backends.get("highs")
@@ -96,12 +100,8 @@ def _agreement(problem: Problem, pool: ThreadPoolExecutor, bins: int = 1) -> Agr
     return Agreement(problem, rows, no_prices(list(problem.pairs), rows), None, pool)
 
 
-def test_sweeps_never_lower_the_bound_and_prices_add_up_to_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    # One cell for all tables of an agent: more to agree upon than borders would leave.
-    monkeypatch.setattr(Touching, "least", lambda self, table, ends: table)
-    problem = recognise(_compiled(tmp_path, 0, VARIANTS["four"]))
+def test_sweeps_never_lower_the_bound_and_prices_add_up_to_nothing(tmp_path: Path) -> None:
+    problem = recognise(_compiled(tmp_path, 0, VARIANTS["four"]), borders=True)
     assert problem is not None
     with ThreadPoolExecutor(2) as pool:
         agreement = _agreement(problem, pool)
@@ -131,17 +131,19 @@ def test_one_worker_or_two_find_the_same(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("cells", [100, 4])
-def test_any_prices_and_potentials_bound_the_optimum(seed: int, cells: int, tmp_path: Path) -> None:
-    """Random ones, on the mission's cells and on merged ones."""
+@pytest.mark.parametrize("cells", [None, 100, 4])
+def test_any_prices_and_potentials_bound_the_optimum(
+    seed: int, cells: int | None, tmp_path: Path
+) -> None:
+    """Random ones, on the mission's cells with and without their borders, and on merged ones."""
     compiled = _compiled(tmp_path, seed, VARIANTS["three"])
-    problem = recognise(compiled)
+    problem = recognise(compiled, borders=cells is None)
     optimum = backends.get("highs").solve(compiled.model, SolveOptions(gap=1e-6)).objective
     assert problem is not None
     assert optimum is not None
     rng = np.random.default_rng(seed)
     with ThreadPoolExecutor(1) as pool:
-        agreement = _agreement(coarsened(problem, cells), pool)
+        agreement = _agreement(coarsened(problem, cells) if cells else problem, pool)
         agreement.prepare()
         for _ in range(3):
             agreement.forward()
@@ -158,9 +160,11 @@ def test_any_prices_and_potentials_bound_the_optimum(seed: int, cells: int, tmp_
 def test_what_is_dropped_holds_no_better_plan(seed: int, tmp_path: Path) -> None:
     """With a cutoff just above the optimum, the optimal plan's states stay alive."""
     compiled = _compiled(tmp_path, seed, VARIANTS["three"])
-    problem, backend = recognise(compiled), backends.get("highs")
+    problem, backend = recognise(compiled, borders=True), backends.get("highs")
+    plain = recognise(compiled)
     assert problem is not None
-    session = Session(Frame(compiled, problem), Work.of(compiled, backend, SolveOptions(gap=1e-6)))
+    assert plain is not None
+    session = Session(Frame(compiled, plain), Work.of(compiled, backend, SolveOptions(gap=1e-6)))
     best = backend.solve(compiled.model, SolveOptions(gap=1e-6))
     assert best.x is not None
     session.offer(best.x)
