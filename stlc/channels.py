@@ -71,14 +71,16 @@ class ChannelTables:
         assert isinstance(table, np.ndarray)
         return table
 
-    def thresholds(self, link: Link) -> Thresholds:
-        """Robustness of a predicate over cells (its shift plays no part). Raises as `cost`."""
+    def thresholds(self, link: Link, bound: Bound | None = None) -> Thresholds:
+        """Robustness of a predicate over cells (its shift plays no part), by the channel's bound
+        unless another is given. Raises as `cost`."""
         channel = self.mission.channels[link.channel]
         pair = (link.sender, link.receiver)
         what = (link.quantity, link.relation, link.threshold, link.probability)
-        key = ("link", link.channel, self._alike(channel, pair), *what)
+        chosen = bound or channel.predicate_bound
+        key = ("link", link.channel, self._alike(channel, pair), *what, chosen)
         if key not in self._memo:
-            self._memo[key] = self._thresholds(channel, link, pair)
+            self._memo[key] = self._thresholds(channel, link, pair, chosen)
         found = self._memo[key]
         assert isinstance(found, Thresholds)
         if link.factor == 1.0:
@@ -104,25 +106,26 @@ class ChannelTables:
         values = cost_table(model, ends, name, budget, _BOUNDS[bound]).matrix()
         return _shaped(self.mission, values, pair)
 
-    def _thresholds(self, channel: Channel, link: Link, pair: Pair) -> Thresholds:
+    def _thresholds(self, channel: Channel, link: Link, pair: Pair, bound: Bound) -> Thresholds:
         """Least and greatest excess of a predicate over its threshold, for each pair of cells."""
         if link.quantity is Quantity.COST:
-            low, high = self._cost_range(channel, pair)
+            low, high = self._cost_range(channel, pair, bound)
             if link.relation is Relation.AT_LEAST:
                 return Thresholds(low - link.threshold, high - link.threshold)
             return Thresholds(link.threshold - high, link.threshold - low)
         model, budget = needed(channel)
         ends = link_ends(self.mission, channel, pair)
-        bound = _BOUNDS[channel.predicate_bound]
         wanted = any(t.kind is TermKind.ROBUSTNESS for t in self.mission.objective)
-        table = threshold_table(model, ends, predicate(link, budget), budget, bound, wanted)
+        table = threshold_table(
+            model, ends, predicate(link, budget), budget, _BOUNDS[bound], wanted
+        )
         sides = (table.low.matrix(), table.high.matrix())
         return Thresholds(*(_shaped(self.mission, side, pair) for side in sides))
 
-    def _cost_range(self, channel: Channel, pair: Pair) -> tuple[Array, Array]:
+    def _cost_range(self, channel: Channel, pair: Pair, bound: Bound) -> tuple[Array, Array]:
         """Least and highest cost over cells."""
-        if channel.has_table(pair) or channel.predicate_bound is not Bound.WORST:
-            table = self.cost(channel.name, pair, channel.predicate_bound)
+        if channel.has_table(pair) or bound is not Bound.WORST:
+            table = self.cost(channel.name, pair, bound)
             return table, table
         model, budget = needed(channel)
         ends = link_ends(self.mission, channel, pair)

@@ -15,7 +15,7 @@ import numpy as np
 from stlc.analysis.ranges import Ranges
 from stlc.arrays import Floats, Ints
 from stlc.ir.nodes import Link, Node, Not
-from stlc.mission import Channel, Mission
+from stlc.mission import Bound, Channel, Mission
 
 if TYPE_CHECKING:
     from stlc.channels import ChannelTables
@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 class LinkTables:
     """A mission's channel tables as the encoders want them: by polarity, and within reach.
 
-    `hopeful`: what may hold somewhere in each cell pair, in place of what surely does everywhere.
+    `hopeful`: what may hold somewhere in each cell pair, whatever bound the channel names, in place
+    of what its cells stand for.
     """
 
     mission: Mission
@@ -43,7 +44,8 @@ class LinkTables:
 
     def robustness(self, node: Link | Not) -> Floats:
         """What surely holds of a (negated) link predicate: (n, n), or (n,) towards a station."""
-        found = self.channels.thresholds(link_of(node))
+        bound = Bound.WORST if self.hopeful else None
+        found = self.channels.thresholds(link_of(node), bound)
         if isinstance(node, Not):
             return -(found.low if self.hopeful else found.high)
         return found.high if self.hopeful else found.low

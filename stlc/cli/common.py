@@ -14,7 +14,7 @@ import click
 
 from stlc.cli.answer import answer_end, one_answer
 from stlc.cli.interrupt import INTERRUPTED
-from stlc.errors import MissionError, OutputError, StlcError
+from stlc.errors import MissionError, NoPlanError, OutputError, StlcError
 from stlc.inputs import recorded_inputs
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 Style = Literal["text", "json", "sarif", "github"]
 INTERNAL = 70
+OUT_OF_MEMORY = "out of memory: try coarser partitions, fewer steps or `--encoding lifted`"
 
 
 def run_guarded(command: click.Command) -> int:
@@ -52,6 +53,9 @@ def _told(error: BaseException) -> int:
             show_diagnostics(error.diagnostics)
         case StlcError():
             complain(str(error))
+        case MemoryError():
+            complain(OUT_OF_MEMORY)
+            return NoPlanError.exit_status
         case _:  # the last line of defence: a bug of ours, said so
             return _confess(error)
     return error.exit_status
@@ -60,6 +64,8 @@ def _told(error: BaseException) -> int:
 def _message(error: BaseException) -> BaseException | str:
     if isinstance(error, click.exceptions.Abort | KeyboardInterrupt):
         return "interrupted"
+    if isinstance(error, MemoryError):
+        return OUT_OF_MEMORY
     return error.format_message() if isinstance(error, click.ClickException) else error
 
 

@@ -13,7 +13,7 @@ from stlc.errors import InfeasibleError, NoPlanError
 
 if TYPE_CHECKING:
     from stlc.explain.conflict import Conflict
-    from stlc.mission import Mission
+    from stlc.mission import Bound, Mission
 
 _GRACE = 0.4  # s that a solver may overrun its limit, or Ctrl-C, before it is left behind
 
@@ -99,9 +99,11 @@ def _show(conflict: Conflict, told: str = "") -> None:
     )
 
 
-def _remedy(several: bool, by_cells: bool) -> str:
-    if by_cells:
-        return "try a finer `partition`, or `bound mean`"
+def _remedy(several: bool, by_cells: Bound | None) -> str:
+    from stlc.solve.blame import remedy
+
+    if by_cells is not None:
+        return remedy(by_cells)
     if several:
         return "relax one of them, or the bounds of the agents they speak of"
     return "relax it, or the bounds of the agents it speaks of"
@@ -111,7 +113,7 @@ def _diagnostic(conflict: Conflict, told: str) -> Diagnostic:
     clauses = list(zip(conflict.clauses, conflict.spans, strict=True))
     several = len(clauses) > 1
     remarks = [Note(f"with this: `{c.name}`", span) for c, span in clauses[1:]]
-    if conflict.by_cells:
+    if conflict.by_cells is not None:
         remarks.append(Note("the partition is the cause: points of its cells may have a plan"))
     if several and not conflict.minimal:
         remarks.append(Note("the set may not be minimal: some proofs hit the time limit"))
@@ -120,7 +122,8 @@ def _diagnostic(conflict: Conflict, told: str) -> Diagnostic:
     return ConflictingClauses(
         span=clauses[0][1],
         what=f"these {len(clauses)} clauses" if several else f"`{clauses[0][0].name}`",
-        together=(" together" if several else "") + (" cell by cell" if conflict.by_cells else ""),
+        together=(" together" if several else "")
+        + (" cell by cell" if conflict.by_cells is not None else ""),
         first=f"`{clauses[0][0].name}`" if several else "cannot hold",
         remedy=_remedy(several, conflict.by_cells),
         notes=tuple(remarks),

@@ -45,13 +45,13 @@ class Conflict:
 
     `minimal`: without any one of them the rest was shown to be satisfiable. `confirmation` names
     the solvers, or the interval analysis, that proved the conflict. `by_cells`: there is none
-    when link predicates hold in every cell where they may at some point.
+    when link predicates hold in every cell where they may at some point; the bound of theirs.
     """
 
     clauses: tuple[Requirement, ...]
     minimal: bool
     confirmation: str
-    by_cells: bool = False
+    by_cells: Bound | None = None
 
     @property
     def spans(self) -> tuple[Span | None, ...]:
@@ -124,13 +124,13 @@ class _Tester:
     deadline: Deadline  # from which on nothing more is proven
     grace: float | None
 
-    def by_cells(self, clauses: Sequence[Requirement]) -> bool:
-        """Whether rigorous link predicates conflict for whole cells only, as far as is proven."""
-        channels = {n.channel for c in clauses for n in walk(c.formula) if isinstance(n, Link)}
+    def by_cells(self, clauses: Sequence[Requirement]) -> Bound | None:
+        """The bound of link predicates that conflict by their cells only, as far as is proven."""
+        channels = [n.channel for c in clauses for n in walk(c.formula) if isinstance(n, Link)]
+        if not channels or self(clauses, hopeful=True) is not Verdict.FEASIBLE:
+            return None
         bounds = [self.mission.channels[c].predicate_bound for c in channels]
-        if Bound.WORST not in bounds:
-            return False
-        return self(clauses, hopeful=True) is Verdict.FEASIBLE
+        return Bound.WORST if Bound.WORST in bounds else bounds[0]
 
     def __call__(self, clauses: Sequence[Requirement], *, hopeful: bool = False) -> Verdict:
         from stlc.solve.blame import compile_or_blame

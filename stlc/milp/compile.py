@@ -14,6 +14,7 @@ from stlc.analysis.ranges import Ranges
 from stlc.analysis.reach import reach
 from stlc.analysis.sizes import MOST_PARTS, check_size
 from stlc.analysis.stages import find_stages
+from stlc.analysis.table_sizes import check_tables
 from stlc.arrays import Floats, Ints
 from stlc.channels import ChannelTables
 from stlc.diagnostics import Diagnostic
@@ -118,7 +119,9 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     check_controlled(mission)
     check_size(mission, options.max_size)
     tables = LinkTables(mission, options.hopeful)
-    program = Program(mission.requirements, mission, reach(mission), tables)
+    ranges = reach(mission)
+    check_tables(mission, ranges, options.max_size)
+    program = Program(mission.requirements, mission, ranges, tables)
     program, passes = run_pipeline(
         program, options.disabled_passes, options.print_after, options.show
     )

@@ -71,6 +71,7 @@ def load_all_diagnostics() -> None:
         "stlc.dialects.errors",
         "stlc.analysis.doubles",
         "stlc.analysis.sizes",
+        "stlc.analysis.table_sizes",
         "stlc.milp.big_m",
         "stlc.milp.unsolvable",
     ):

@@ -24,28 +24,41 @@ _TOLERANCE = 1e-6
 _LONGER = 3  # times the horizon, for the earliest possible step
 
 
+_STANDS = {
+    Bound.WORST: "for whole cells",
+    Bound.MEAN: "by the means of cells",
+    Bound.CENTRE: "at the centres of cells",
+}
+
+
+def remedy(bound: Bound, finer: str = "") -> str:
+    """What to try where cells, by their bound, are what rules a link out."""
+    such = f" (`{finer}`)" if finer else ""
+    other = ", or `bound mean`" if bound is Bound.WORST else ""
+    return f"try a finer `partition`{such}{other}"
+
+
 @dataclass(frozen=True, slots=True)
 class Blame:
     """What fails: needed by step `deadline` (inclusive), possible from `earliest` (None: never).
 
-    `by_cells`: whole cells don't offer the link in time, though points of them may; then
-    `finer` is a partition to try.
+    `by_cells`: what stands for cells doesn't offer the link in time, though points of them may;
+    then `finer` is a partition to try.
     """
 
     span: Span | None
     deadline: int
     earliest: int | None
-    by_cells: bool = False
+    by_cells: Bound | None = None
     finer: str = ""
 
     def __str__(self) -> str:
         where = f"{self.span}: " if self.span else ""
         what = f"`{self.span.text}`" if self.span else "a part of it"
-        if self.by_cells:
-            such = f" (`{self.finer}`)" if self.finer else ""
+        if self.by_cells is not None:
             return (
-                f"{where}{what} is out of reach in time for whole cells: try a finer "
-                f"`partition`{such}, or `bound mean`; at points of these cells it may hold"
+                f"{where}{what} is out of reach in time {_STANDS[self.by_cells]}: "
+                f"{remedy(self.by_cells, self.finer)}; at points of these cells it may hold"
             )
         if self.earliest is None:
             return f"{where}{what} is out of reach at every step"
@@ -100,15 +113,15 @@ class _Analysis:
             last = self.mission.horizon if node.end is None else first + node.end
         found = node.span or requirement.span
         by_cells = self._by_cells(node, first)
-        finer = self._finer(node) if by_cells else ""
+        finer = self._finer(node) if by_cells is not None else ""
         return Blame(found, last, self._earliest(node, first), by_cells, finer)
 
-    def _by_cells(self, node: Node, step: int) -> bool:
-        """Whether a part that fails for whole cells may hold at points of them."""
-        links = [n for n in walk(node) if isinstance(n, Link)]
-        if not any(self._channel(n).predicate_bound is Bound.WORST for n in links):
-            return False
-        return self._possible([(node, step)], self.mission, hopeful=True)[0]
+    def _by_cells(self, node: Node, step: int) -> Bound | None:
+        """The bound of a part that fails by its cells, but may hold at points of them."""
+        link = next((n for n in walk(node) if isinstance(n, Link)), None)
+        if link is None or not self._possible([(node, step)], self.mission, hopeful=True)[0]:
+            return None
+        return self._channel(link).predicate_bound
 
     def _channel(self, link: Link) -> Channel:
         return self.mission.channels[link.channel]

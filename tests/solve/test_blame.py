@@ -10,7 +10,7 @@ from stlc.errors import InfeasibleError
 from stlc.explain.conflict import Conflict, explain
 from stlc.ir.nodes import Always, And, Eventually, Linear, Node, Role, Signal
 from stlc.ir.requirement import Requirement
-from stlc.mission import Mission
+from stlc.mission import Bound, Mission
 from stlc.solve.blame import Blamed, compile_or_blame
 from stlc.source import Source
 
@@ -81,24 +81,38 @@ def test_cells_that_reach_too_far_are_blamed_with_finer_ones() -> None:
         compile_or_blame(loads(COARSE.replace("{level}", "-70")))
     with pytest.raises(Blamed, match=r"at every step$") as found:
         compile_or_blame(loads(COARSE.replace("{level}", "-50")))
-    assert not found.value.blame.by_cells
+    assert found.value.blame.by_cells is None
 
 
 def test_a_link_that_no_whole_cell_offers_says_so() -> None:
     with pytest.raises(Blamed, match="for whole cells: try a finer `partition`"):
         compile_or_blame(loads(LINKED.replace("{bound}", "worst")))
-    with pytest.raises(Blamed, match=r"at every step$"):
+    with pytest.raises(Blamed, match="by the means of cells: try a finer `partition`"):
         compile_or_blame(loads(LINKED.replace("{bound}", "mean")))
+    with pytest.raises(Blamed, match="at the centres of cells: try a finer `partition`"):
+        compile_or_blame(loads(LINKED.replace("{bound}", "centre")))
+    with pytest.raises(Blamed, match=r"at every step$"):
+        compile_or_blame(loads(LINKED.replace("{bound}", "mean").replace("-41", "-39")))
 
 
-def conflict(requirements: str) -> Conflict:
-    found = explain(loads(COARSE[: COARSE.index("require")] + requirements))
+def conflict(requirements: str, bound: Bound = Bound.WORST) -> Conflict:
+    world = COARSE[: COARSE.index("require")]
+    world = world.replace("partition", f"bound {bound.value}; partition")
+    found = explain(loads(world + requirements))
     assert isinstance(found, Conflict)
     return found
 
 
 def test_a_conflict_that_only_whole_cells_have_is_told_from_a_true_one() -> None:
-    assert conflict("require link: always[0, 5] rssi(b, base) >= -70 dBm").by_cells
+    assert conflict("require link: always[0, 5] rssi(b, base) >= -70 dBm").by_cells is Bound.WORST
     both = "require far: always[0, 5] b.x <= 3 m\nrequire link: eventually[0, 5] rssi(b, base) >= "
-    assert conflict(f"{both}-68 dBm").by_cells
-    assert not conflict(f"{both}-45 dBm").by_cells
+    assert conflict(f"{both}-68 dBm").by_cells is Bound.WORST
+    assert conflict(f"{both}-45 dBm").by_cells is None
+
+
+@pytest.mark.parametrize("bound", [Bound.MEAN, Bound.CENTRE])
+def test_means_and_centres_are_told_from_true_conflicts_too(bound: Bound) -> None:
+    """-67.1 dBm in the middle of the first cell, -63.3 dBm where it is nearest."""
+    link = "require link: always[0, 5] rssi(b, base) >= "
+    assert conflict(f"{link}-65 dBm", bound).by_cells is bound
+    assert conflict(f"{link}-60 dBm", bound).by_cells is None
