@@ -21,6 +21,7 @@ from stlc.ir.nodes import Linear
 from stlc.mission import Mission
 
 _SWEEPS = 3
+_Known = dict[bytes, list[Floats]]  # intervals around a step, before and after they are narrowed
 _DUST = 4 * SLACK
 
 
@@ -29,16 +30,16 @@ def propagate(boxes: Mapping[str, Box], musts: Sequence[tuple[Linear, float]]) -
 
     Raises InfeasibleError naming the agent and step where an interval becomes empty.
     """
+    known: dict[str, _Known] = {name: {} for name in boxes}
     for _ in range(_SWEEPS):
         before = [_width(box) for box in boxes.values()]
         for predicate, level in musts:
             _apply(boxes, predicate, level)
-        for box in boxes.values():
+        for name, box in boxes.items():
             matrix = np.hstack([box.agent.dynamics.A, box.agent.dynamics.B])
-            for step in range(len(box.u_lower)):
-                _equalities(box, matrix, step)
-            for step in reversed(range(len(box.u_lower))):
-                _equalities(box, matrix, step)
+            steps = range(len(box.u_lower))
+            for step in (*steps, *reversed(steps)):
+                _narrow(box, matrix, step, known[name])
             _check(box, "what the requirements demand" if musts else "its bounds")
         if np.allclose(before, [_width(box) for box in boxes.values()], rtol=0.0, atol=1e-6):
             return
@@ -51,6 +52,22 @@ def _width(box: Box) -> float:
         [(box.x_upper - box.x_lower).ravel(), (box.u_upper - box.u_lower).ravel()]
     )
     return float(np.where(np.isfinite(widths), widths, 1e6).sum())
+
+
+def _narrow(box: Box, matrix: Floats, step: int, known: _Known) -> None:
+    """`_equalities`; intervals seen at another step are not worked out again, so that a long
+    horizon costs as much as the steps at which something happens."""
+    parts = (
+        box.x_lower[step], box.u_lower[step], box.x_lower[step + 1],
+        box.x_upper[step], box.u_upper[step], box.x_upper[step + 1],
+    )  # fmt: skip
+    key = b"".join(part.tobytes() for part in parts)
+    if key not in known:
+        _equalities(box, matrix, step)
+        known[key] = [part.copy() for part in parts]
+        return
+    for part, values in zip(parts, known[key], strict=True):
+        part[:] = values
 
 
 def _equalities(box: Box, matrix: Floats, step: int) -> None:

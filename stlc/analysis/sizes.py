@@ -1,12 +1,14 @@
 """How large the model of a mission would be, before anything is built.
 
 The size counts states and inputs over the horizon, and the nodes of the unrolled formulas: a node
-at each step at which it is needed, a window of w steps with w parts where it is needed once and
-log2 w where steps share its parts (see `passes/unroll.py`).
+at each step at which it is needed, a window of w steps with w parts where it is needed once; where
+steps share its parts, log2 w of them for a conjunction and a few for a disjunction or an until
+(see `passes/unroll.py`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 from stlc.diagnostics import Diagnostic
@@ -17,8 +19,10 @@ from stlc.ir.rewrite import postorder
 from stlc.mission import Mission
 
 MOST_PARTS = 200_000
-"""Some minute to compile: the 70 000 parts of an `until` over 800 steps took 11 s."""
+"""Some minute to compile: an agent and an `until` over 5000 steps, 150 000 parts, took 12 s."""
 
+_SLIDING = 6  # parts of a disjunction over a window, two each for three nodes
+_ENDLESS = 6  # parts of an until beside its window
 _DIRECT = 8  # windows up to this many steps are written out
 
 
@@ -54,16 +58,15 @@ def check_size(mission: Mission, limit: int = MOST_PARTS) -> None:
 
 def formula_size(requirement: Requirement, horizon: int) -> int:
     """Parts of one unrolled formula."""
-    steps = _needed(requirement.formula, horizon)
+    steps = needed_steps([requirement.formula], horizon)
     return sum(mask.bit_count() * _parts(node, mask, horizon) for node, mask in steps.items())
 
 
-def _needed(root: Node, horizon: int) -> dict[Node, int]:
-    """Steps at which each node is needed, as bits."""
-    order = list(postorder([root]))
+def needed_steps(roots: Sequence[Node], horizon: int) -> dict[Node, int]:
+    """Steps within the horizon at which each node is needed by roots judged at step 0, as bits."""
+    order = list(postorder(roots))
     within = (1 << (horizon + 1)) - 1
-    steps = dict.fromkeys(order, 0)
-    steps[root] = 1
+    steps = dict.fromkeys(order, 0) | dict.fromkeys(roots, 1)
     for node in reversed(order):
         here = steps[node]
         for child, first, last in _windows(node, horizon):
@@ -107,5 +110,7 @@ def _parts(node: Node, steps: int, horizon: int) -> int:
     shared = count > 1 and width > _DIRECT and node.end is not None
     if not shared and node.end is None:
         width = max(width - count // 2, 1)  # ever shorter towards the end
-    parts = width.bit_length() if shared else width
-    return parts if isinstance(node, Always | Eventually) else 6 * parts  # three pairs
+    if not shared:
+        return width if isinstance(node, Always | Eventually) else 4 * width  # two pairs
+    near = width.bit_length() if isinstance(node, Always | Release) else _SLIDING
+    return near if isinstance(node, Always | Eventually) else near + _ENDLESS

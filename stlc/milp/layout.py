@@ -8,13 +8,14 @@ encodings checks them.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from stlc.analysis.goals import Level
 from stlc.arrays import Ints
+from stlc.ir.flat import Flat, flattened, restored
 from stlc.ir.nodes import Node, Or
 
 _NONE = np.empty(0, np.int64)
@@ -46,11 +47,38 @@ class Encoded:
     literals: Mapping[Node, int]
     derived: Ints
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """Formulas may be deeper than pickle follows: they travel as lists of nodes."""
+        flat, number = flattened(self.formula)
+        choices = [
+            (number[node], [(number[a], column) for a, column in pairs])
+            for node, pairs in self.choices
+        ]
+        literals = {number[node]: column for node, column in self.literals.items()}
+        return _encoded, (flat, self.level, choices, literals, self.derived)
+
     def whole_choices(self) -> Iterable[tuple[Or, Ints]]:
         """Disjunctions each of whose alternatives has a literal here, with those literals."""
         for node, pairs in self.choices:
             if len(pairs) == len(node.args):
                 yield node, np.array([column for _, column in pairs], np.int64)
+
+
+def _encoded(
+    flat: Flat,
+    level: Level,
+    choices: Sequence[tuple[int, Sequence[tuple[int, int]]]],
+    literals: Mapping[int, int],
+    derived: Ints,
+) -> Encoded:
+    nodes = restored(flat)
+    made = []
+    for number, pairs in choices:
+        node = nodes[number]
+        assert isinstance(node, Or)
+        made.append((node, tuple((nodes[k], column) for k, column in pairs)))
+    named = {nodes[k]: column for k, column in literals.items()}
+    return Encoded(nodes[-1], level, tuple(made), named, derived)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

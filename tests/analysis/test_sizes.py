@@ -14,7 +14,7 @@ from stlc.passes import horizon, nnf, unroll
 from stlc.passes.base import Program
 
 AGENT = "agent r : double_integrator { start (1, 1); control |u| <= 1 }\n"
-LONG = AGENT + "require a: always[0, 5000] (r.x >= 0 m until[0, 5000] r.y >= 1 m)\n"
+LONG = AGENT + "require a: always[0, 30000] (r.x >= 0 m until[0, 30000] r.y >= 1 m)\n"
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,9 @@ Sound and complete: a run satisfies the formula at its level exactly when litera
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -30,6 +31,8 @@ from stlc.milp.formulas.selectors import ONE_HOT, FormulaEncoding
 from stlc.milp.layout import Encoded
 
 _TOP = -1
+_Visit = Generator[Any, Any, int]
+"""A visit of a node: yields the visits it needs done, is sent the columns that they return."""
 _NONE = np.empty(0, np.int64)
 
 
@@ -77,26 +80,29 @@ class FormulaEncoder:
                 case Linear():
                     self._faces.hold([node])
                 case Or():
-                    self._choose(node, [])
+                    _walk(self._choose(node, []))
                 case Link() | Not():
                     self.links.assert_link(node, self.level)
                 case _:
                     raise TypeError(f"{type(node).__name__} after unrolling")
 
-    def _choose(self, node: Or, parents: Sequence[int]) -> None:
+    def _choose(self, node: Or, parents: Sequence[int]) -> _Visit:
         """Alternatives of `node`, one of them taken when a parent literal is 1."""
         if any(_TOP in self._owners[a] for a in node.args):
-            return  # one alternative is asserted elsewhere
+            return _TOP  # one alternative is asserted elsewhere
         private = [a for a in node.args if not self._is_shared(a)]
         shared = [a for a in node.args if self._is_shared(a)]
         gathered = [self._gather(a) for a in private]
         z = self._encode([list(g.atoms) for g in gathered], parents, exclusive=not shared)
-        cols = [*z, *(self._literal(a) for a in shared)]
+        cols = [int(column) for column in z]
+        for a in shared:
+            cols.append((yield self._literal(a)))
         signs = [*np.ones(len(cols)), *-np.ones(len(parents))]
         total = 0.0 if parents else 1.0
         self._faces.rows.add([*cols, *parents], signs, total, np.inf if shared else total)
         self._choices.append((node, tuple(zip(private, map(int, z), strict=True))))
-        self._descend(z, gathered, exclusive=not shared)
+        yield self._descend(z, gathered, exclusive=not shared)
+        return _TOP
 
     def _encode(
         self, predicates: Sequence[Sequence[Linear]], parents: Sequence[int], *, exclusive: bool
@@ -120,7 +126,7 @@ class FormulaEncoder:
 
     def _descend(
         self, z: Iterable[int], gathered: Sequence[Alternative], *, exclusive: bool
-    ) -> None:
+    ) -> _Visit:
         """Make literals z imply what their alternatives hold beside predicates. Where at most one
         of z is 1 (`exclusive`), one row serves all that need the same node."""
         needs: dict[Node, list[int]] = {}
@@ -133,23 +139,24 @@ class FormulaEncoder:
                 and not self._is_shared(node)
                 and (exclusive or len(columns) == 1)
             ):
-                self._choose(node, columns)
+                yield self._choose(node, columns)
                 continue
-            literal = self._literal(node)
+            literal = yield self._literal(node)
             groups = [columns] if exclusive else [[c] for c in columns]
             for group in groups:
                 self._faces.rows.add([literal, *group], [1.0, *-np.ones(len(group))], 0.0)
+        return _TOP
 
     def _is_shared(self, node: Node) -> bool:
         return len(self._owners[node]) > 1 or isinstance(node, Link | Not)
 
-    def _literal(self, node: Node) -> int:
+    def _literal(self, node: Node) -> _Visit:
         """Column w in {0, 1} with w = 1 => node; one for each node."""
         if node not in self._literals:
-            self._literals[node] = self._new_literal(node)
+            self._literals[node] = yield self._new_literal(node)
         return self._literals[node]
 
-    def _new_literal(self, node: Node) -> int:
+    def _new_literal(self, node: Node) -> _Visit:
         """A column that is 1 only where the node holds to its level (the converse isn't needed)."""
         if isinstance(node, Link | Not):
             return self.links.literal(node, self.level)
@@ -159,11 +166,11 @@ class FormulaEncoder:
                 self._faces.rows.add([column], [-1.0], 0.0)
             return column
         if isinstance(node, Or):
-            self._choose(node, [column])
+            yield self._choose(node, [column])
             return column
         alternative = self._gather(node, inside=True)
         self._faces.shared([column], [list(alternative.atoms)])
-        self._descend([column], [alternative], exclusive=True)
+        yield self._descend([column], [alternative], exclusive=True)
         return column
 
     def _gather(self, root: Node, *, inside: bool = False) -> Alternative:
@@ -186,6 +193,21 @@ class FormulaEncoder:
                 case _:
                     found.others[node] = None
         return found
+
+
+def _walk(visit: _Visit) -> None:
+    """Make a visit; those within it wait on a list, so that depth has no limit."""
+    open_: list[_Visit] = [visit]
+    answer: int | None = None  # of the visit that has just ended
+    while open_:
+        try:
+            inner = open_[-1].send(answer)
+        except StopIteration as end:
+            open_.pop()
+            answer = end.value
+        else:
+            open_.append(inner)
+            answer = None
 
 
 def _owners(root: Node) -> dict[Node, frozenset[int]]:
