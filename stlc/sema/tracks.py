@@ -94,7 +94,7 @@ def translated(piece: Polytope, by: Point) -> Polytope:
 
 
 def lasting(pieces: Sequence[Polytope], move: Floats) -> list[Polytope]:
-    """What the pieces cover all the time while they move by `move` (2,) [m]."""
+    """What the pieces cover all the time while they move by `move` (2,) [m], slivers left out."""
     import shapely
 
     found = []
@@ -103,7 +103,8 @@ def lasting(pieces: Sequence[Polytope], move: Floats) -> list[Polytope]:
         core = shapely.intersection(*ends)
         if core.geom_type == "Polygon" and core.area > 0.0:
             ring = simplified([(float(x), float(y)) for x, y in core.exterior.coords[:-1]])
-            found.append(polytope(ring))
+            if len(ring) > 2:
+                found.append(polytope(ring))
     return found
 
 

@@ -24,6 +24,7 @@ from stlc.sema.geometry import (
     within,
 )
 from stlc.sema.seams import closed
+from stlc.sema.tracks import lasting
 
 Ring = list[Point]
 
@@ -176,3 +177,12 @@ def test_a_ring_that_comes_back_to_a_corner_is_refused() -> None:
     with pytest.raises(PolygonError, match=r"corner \(5, 5\) twice"):
         decompose([(float(x), float(y)) for x, y in eight])
     assert len(decompose([(0.0, 0.0), (0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 0.0)])) == 1
+
+
+@pytest.mark.parametrize(
+    ("move", "area"), [((0.5, 0.25), 1.125), ((2.0, 0.0), 0.0), ((0.2, 1 - 1e-12), 0.0)]
+)
+def test_what_a_moving_piece_covers_all_the_time(move: tuple[float, float], area: float) -> None:
+    piece = polytope([(0, 0), (2, 0), (2, 1), (0, 1)])
+    found = lasting([piece], np.array(move))
+    assert sum(shapely.Polygon(p.vertices).area for p in found) == pytest.approx(area)
