@@ -1,7 +1,6 @@
 """Reports arrive in the caller's thread; whatever happens there stops the solver."""
 
 import threading
-import time
 
 import pytest
 
@@ -26,10 +25,8 @@ def test_an_exception_in_the_listener_ends_the_solve(name: str, error: type[Base
         threads.append(threading.current_thread())
         raise error
 
-    began = time.monotonic()
     with pytest.raises(error):
-        get(name).solve(HARD, SolveOptions(time_limit=60.0, on_progress=listen))
-    assert time.monotonic() - began < 30
+        get(name).solve(HARD, SolveOptions(on_progress=listen))  # else it would go on for hours
     assert set(threads) == {threading.current_thread()}
 
 

@@ -75,8 +75,8 @@ def test_events_follow_their_schema(tmp_path: Path) -> None:
     schema = json.loads((files("stlc.solve") / "events.schema.json").read_text())
     Draft202012Validator.check_schema(schema)
     judge = Draft202012Validator(schema)
-    words = ("solve", long_mission(tmp_path), "--strategy", "milp", "-o", "p.json")
-    done = stlc(*words, "--time-limit", 4, "--threads", 1, folder=tmp_path)
+    words = ("solve", long_mission(tmp_path, 5), "--strategy", "milp", "-o", "p.json")
+    done = stlc(*words, "--threads", 1, folder=tmp_path)
     assert done.returncode == 0, done.stderr
     events = [json.loads(line) for line in done.stderr.splitlines() if line.startswith("{")]
     for event in events:
@@ -89,7 +89,7 @@ def test_one_live_line_at_a_terminal(tmp_path: Path) -> None:
     import pty
 
     own, theirs = pty.openpty()
-    words = ("solve", long_mission(tmp_path), "--strategy", "milp", "--time-limit", "3")
+    words = ("solve", long_mission(tmp_path, 5), "--strategy", "milp")
     process = start(*words, folder=tmp_path, stderr=theirs)
     os.close(theirs)
     text = b""

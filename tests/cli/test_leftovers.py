@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from support.command import LIMIT, command, long_mission
-from support.events import wait_for
+from support.events import comes_true, wait_for
 
 ENDS = {
     "Ctrl-C": (signal.SIGINT,),
@@ -48,10 +48,7 @@ def test_nothing_stays_behind(name: str, end: str, tmp_path: Path) -> None:
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ, "TMPDIR": str(scratch)},
     )  # fmt: skip
     wait_for(process, "statistics" if name == "solve" else "status")
-    for _ in range(100):
-        if list(scratch.iterdir()):
-            break
-        time.sleep(0.05)
+    assert comes_true(lambda: any(scratch.iterdir()))
     for number in ENDS[end]:
         process.send_signal(number)
         time.sleep(0.02)
@@ -60,11 +57,7 @@ def test_nothing_stays_behind(name: str, end: str, tmp_path: Path) -> None:
     assert "Traceback" not in err
     assert "release unlocked lock" not in err
     assert list(scratch.iterdir()) == []
-    for _ in range(100):
-        if not _ours(scratch):
-            break
-        time.sleep(0.05)
-    assert _ours(scratch) == []
+    assert comes_true(lambda: not _ours(scratch)), _ours(scratch)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells who works in which folder")
@@ -79,15 +72,8 @@ def test_nothing_outlives_a_command_that_was_killed(name: str, tmp_path: Path) -
         env={**os.environ, "TMPDIR": str(scratch)},
     )  # fmt: skip
     wait_for(process, "statistics" if name == "solve" else "status")
-    for _ in range(200):
-        if list(scratch.glob("stlc-*/*")):
-            break
-        time.sleep(0.05)
+    assert comes_true(lambda: any(scratch.glob("stlc-*/*")))
     process.kill()
     process.communicate(timeout=LIMIT)
-    for _ in range(400):
-        if not _ours(scratch):
-            break
-        time.sleep(0.05)
-    assert _ours(scratch) == []
+    assert comes_true(lambda: not _ours(scratch)), _ours(scratch)
     assert list(scratch.glob("stlc-*")) == []

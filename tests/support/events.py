@@ -5,7 +5,10 @@ from __future__ import annotations
 import json
 import subprocess
 import time
+from collections.abc import Callable
 from pathlib import Path
+
+from support.command import LIMIT
 
 
 def wait_for(process: subprocess.Popen[str], kind: str) -> dict[str, object]:
@@ -15,6 +18,16 @@ def wait_for(process: subprocess.Popen[str], kind: str) -> dict[str, object]:
         if line.startswith("{") and json.loads(line)["event"] == kind:
             return dict(json.loads(line))
     raise AssertionError(f"the process ended without an event '{kind}'")
+
+
+def comes_true(condition: Callable[[], bool]) -> bool:
+    """Whether it does before a command that hangs would be given up."""
+    end = time.monotonic() + LIMIT
+    while not condition():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.02)
+    return True
 
 
 def wait_for_file(process: subprocess.Popen[str], file: Path) -> None:
