@@ -107,7 +107,7 @@ def read(path: str | os.PathLike[str]) -> Plan:
 def parse(data: bytes | str, name: str = "plan") -> Plan:
     """A plan from JSON text. Raises UsageError, with the place, when it isn't one."""
     try:
-        value = json.loads(data, parse_constant=_refuse_constant)
+        value = json.loads(data, parse_constant=_refuse_constant, object_pairs_hook=_once_each)
     except UnicodeDecodeError:
         raise UsageError(f"{name}: not a plan: the file is not UTF-8 text") from None
     except json.JSONDecodeError as error:
@@ -122,6 +122,16 @@ def parse(data: bytes | str, name: str = "plan") -> Plan:
 
 def _refuse_constant(word: str) -> float:
     raise ValueError(f"{word} is no number of JSON")
+
+
+def _once_each(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """An object's members; JSON leaves open which of two with one name counts."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise ValueError(f'"{twice}" is given twice in one object')
+    return found
 
 
 @dataclass(frozen=True, slots=True)

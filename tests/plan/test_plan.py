@@ -108,6 +108,7 @@ def broken(**changes):
         (broken(links__0__pair=["r1"]), r"links\[0\].pair: expected two names"),
         (broken(certificate=3), "at certificate: expected an object"),
         ('{"format": NaN}', "NaN is no number"),
+        ('{"format": "x", "step": 1, "step": 2}', '"step" is given twice'),
         (broken(step=10**400), "not a valid plan at step: expected a finite number"),
     ],
 )
