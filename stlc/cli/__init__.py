@@ -73,10 +73,13 @@ def cli() -> None:
 
 def main() -> None:
     """Entry point: runs the command and turns every error into a message and an exit status."""
-    from stlc.cli.common import run_guarded
-    from stlc.cli.interrupt import heed_signals, leave
-    from stlc.cli.streams import claim_streams
+    try:  # until somebody heeds signals, they come as an exception out of whatever is imported
+        from stlc.cli.common import run_guarded
+        from stlc.cli.interrupt import heed_signals, leave
+        from stlc.cli.streams import claim_streams
 
-    streams = claim_streams()
-    heed_signals()
+        streams = claim_streams()
+        heed_signals()
+    except KeyboardInterrupt:
+        raise SystemExit(130) from None
     leave(streams.close(run_guarded(cli)))

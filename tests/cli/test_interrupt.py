@@ -6,6 +6,7 @@ import json
 import os
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -108,3 +109,20 @@ def test_one_live_line_at_a_terminal(tmp_path: Path) -> None:
     assert len(live) > 1
     assert not any("\n" in part for part in live)
     assert b'{"event"' not in text
+
+
+def test_interrupted_while_it_starts(tmp_path: Path) -> None:
+    """Before anything of stlc's heeds signals: an import is cut short, as by Ctrl-C."""
+    code = (
+        "import sys\n"
+        "class Cut:\n"
+        "    def find_spec(self, name, *_):\n"
+        "        if name == 'stlc.errors': raise KeyboardInterrupt\n"
+        "from stlc.cli import main\n"
+        "sys.meta_path.insert(0, Cut())\n"
+        "main()\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (130, "")
