@@ -6,7 +6,7 @@ from pathlib import Path
 
 from stlc.loader import LoadError
 from stlc.sema.files import Files
-from stlc.sema.name_errors import ImportCycle
+from stlc.sema.name_errors import ImportCycle, TooDeep
 from stlc.sema.report import Mistake, Report
 from stlc.source import Source
 from stlc.syntax import ast
@@ -47,10 +47,12 @@ def _imported(
 
     name, span = statement.path.value, statement.path.span
     resolved = files.resolve(name, span)
-    if resolved in path or len(path) > MOST_DEEP:
+    if resolved in path:
         raise Mistake(ImportCycle(span=span, path=name))
     if resolved in done:
         return []
+    if len(path) > MOST_DEEP:
+        raise Mistake(TooDeep(span=span, limit=MOST_DEEP))
     done.add(resolved)
     source = Source(files.loader.shown(resolved), files.text(name, span))
     files.known[source] = resolved

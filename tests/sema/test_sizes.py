@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
-from stlc.api import loads
+from stlc.api import load, loads
 from stlc.errors import MissionError
 from stlc.ir.nodes import Linear
 from stlc.sema import scope
@@ -78,3 +80,11 @@ def test_folds_within_folds_are_refused_early() -> None:
     text = "let e0 = abs(r.x)\n"
     text += "".join(f"let e{k + 1} = max(e{k}, r.y) + abs(e{k})\n" for k in range(30))
     assert set(codes(text + "require a: eventually e30 >= 1 m\n")) == {"E0213"}
+
+
+def test_a_long_chain_of_imports_is_no_circle(tmp_path: Path) -> None:
+    for k in range(60):
+        (tmp_path / f"l{k}.stl").write_text(f'import "l{k + 1}.stl"\nlet f{k}(a) = a.x >= {k}\n')
+    with pytest.raises(MissionError) as caught:
+        load(tmp_path / "l0.stl")
+    assert caught.value.diagnostics[0].code == "E0212"
