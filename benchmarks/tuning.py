@@ -38,6 +38,7 @@ PLAN = {
     "DIVE": ("stlpy/door_puzzle_N2_T25", "stlpy/multitarget_o3_g4_t2_T30_s1"),
     "LONE": ("teams/team_3", "teams/team_4"),
     "JOIN": ("teams/team_4",),
+    "TURNS": ("teams/team_5",),
     "ROUTES": ("published/stlp_rover-1", "published/stlp_doorpuzzle-1"),
 }
 """Record -> missions of benchmarks/missions whose search reads it."""
@@ -99,6 +100,8 @@ def variations(record: str) -> Iterator[tuple[str, float]]:
     yield "", 0.0
     for field in fields(getattr(tuning, record)):
         value = getattr(getattr(tuning, record), field.name)
+        if not isinstance(value, int | float):
+            continue  # a schedule, such as the efforts of a beam
         if not isinstance(value, int | float):
             continue
         for factor in (0.5, 2.0):
