@@ -296,9 +296,7 @@ class Mission:
     def summary(self) -> str:
         """One line: agents, requirements, horizon."""
 
-        def count(number: int, word: str) -> str:
-            return f"{number} {word}{'' if number == 1 else 's'}"
-
-        agents, requirements = len(self.agents), len(self.requirements)
-        parts = [count(agents, "agent"), count(requirements, "requirement")]
-        return f"{', '.join(parts)}, {count(self.horizon, 'step')} of {self.step:g} s"
+        counts = (len(self.agents), len(self.requirements), self.horizon)
+        words = zip(counts, ("agent", "requirement", "step"), strict=True)
+        said = (f"{count} {word}{'' if count == 1 else 's'}" for count, word in words)
+        return f"{', '.join(said)} of {self.step:g} s"

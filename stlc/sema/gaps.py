@@ -9,8 +9,8 @@ import numpy as np
 
 from stlc.diagnostics import Diagnostic
 from stlc.mission import Mission, Obstacle, Polytope
+from stlc.sema.contacts import PLUG, TOUCH
 from stlc.sema.report import with_note
-from stlc.sema.seams import PLUG, TOUCH
 from stlc.sema.warnings import NarrowGap
 
 

@@ -23,11 +23,11 @@ two convex sets without common interior is a segment or a point) and single poin
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from stlc.mission import Array, Polytope
+from stlc.sema.contacts import DEEP, PLUG, TOUCH, Contact, boxes_meet, contact, extent
 from stlc.sema.geometry import (
     Point,
     contains,
@@ -38,36 +38,8 @@ from stlc.sema.geometry import (
     turn,
 )
 
-TOUCH = 1e-6
-"""Pieces this near touch [m]: a solver's tolerance, below which a gap is open to no one."""
-
-DEEP = 1e-5
-"""Pieces that overlap by this much need no more [m]: ten times a solver's tolerance."""
-
-PLUG = 1e-3
-"""Half the side of the plug where two pieces meet in a point [m]; below it a gap is warned of."""
-
 BEYOND = 0.1
 """How far a face on the workspace's border moves, as a share of the workspace's size."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Contact:
-    """Where two pieces touch: a segment or a point (both ends alike).
-
-    `faces` are the indices of the face of each piece on the common line, None for a corner;
-    `whole` tells for each piece whether that face lies within the other's.
-    """
-
-    start: Array
-    end: Array
-    faces: tuple[int | None, int | None]
-    whole: tuple[bool, bool]
-
-    @property
-    def length(self) -> float:
-        """Length of the segment [m]."""
-        return float(np.hypot(*(self.end - self.start)))
 
 
 def closed(
@@ -113,7 +85,7 @@ def plugs_between(one: Sequence[Polytope], other: Sequence[Polytope]) -> tuple[P
     found: list[Polytope] = []
     for a in one:
         for b in other:
-            met = contact(a, b) if _boxes_meet(a, b) else None
+            met = contact(a, b) if boxes_meet(a, b) else None
             if met is not None:
                 found.append(_plug(a, b, met))
     return tuple(found)
@@ -133,58 +105,6 @@ def _near(pieces: Sequence[Polytope]) -> list[tuple[int, int]]:
         meets = ((low[i + 1 :] <= high[i]) & (high[i + 1 :] >= low[i])).all(axis=1)
         pairs += [(i, i + 1 + int(j)) for j in np.flatnonzero(meets)]
     return pairs
-
-
-def _boxes_meet(a: Polytope, b: Polytope) -> bool:
-    low = np.maximum(a.vertices.min(axis=0), b.vertices.min(axis=0))
-    high = np.minimum(a.vertices.max(axis=0), b.vertices.max(axis=0))
-    return bool((low <= high + TOUCH).all())
-
-
-def apart(a: Polytope, b: Polytope) -> float:
-    """The widest strip along a face of either that parts the two [m]; below 0 they overlap."""
-    return max(float(_gaps(a, b).max()), float(_gaps(b, a).max()))
-
-
-def _gaps(a: Polytope, b: Polytope) -> Array:
-    """How far b lies beyond each face of a."""
-    return np.asarray((a.normals @ b.vertices.T).min(axis=1) - a.offsets)
-
-
-def contact(a: Polytope, b: Polytope) -> Contact | None:
-    """Where two pieces touch without a common interior; None if they overlap or are apart."""
-    gap = apart(a, b)
-    if not -DEEP <= gap <= TOUCH:
-        return None
-    mine, other = _gaps(a, b), _gaps(b, a)
-    owner, face = (a, int(mine.argmax())) if mine.max() >= other.max() else (b, int(other.argmax()))
-    normal = owner.normals[face] if owner is a else -owner.normals[face]
-    return _along(a, b, normal)
-
-
-def _along(a: Polytope, b: Polytope, normal: Array) -> Contact | None:
-    """The contact of two pieces that a line with this normal parts, a behind it."""
-    tangent = np.array([-normal[1], normal[0]])
-    (a0, a1), mine = _extent(a, normal, tangent)
-    (b0, b1), other = _extent(b, -normal, tangent)
-    low, high = max(a0, b0), min(a1, b1)
-    if high < low - TOUCH:
-        return None
-    level = float((a.vertices @ normal).max())
-    start, end = (level * normal + at * tangent for at in (low, max(low, high)))
-    whole = (a0 >= b0 - TOUCH and a1 <= b1 + TOUCH, b0 >= a0 - TOUCH and b1 <= a1 + TOUCH)
-    return Contact(start, end, (mine, other), whole)
-
-
-def _extent(
-    piece: Polytope, normal: Array, tangent: Array
-) -> tuple[tuple[float, float], int | None]:
-    """Where the part of a piece that is furthest along a normal lies, and its face if it is one."""
-    heights = piece.vertices @ normal
-    top = piece.vertices[heights >= heights.max() - DEEP] @ tangent
-    face = int((piece.normals @ normal).argmax())
-    flat = len(top) > 1 and float(np.ptp(top)) > PLUG
-    return (float(top.min()), float(top.max())), face if flat else None
 
 
 # --- closing -------------------------------------------------------------------------------------
@@ -328,8 +248,8 @@ def _past_border(piece: Polytope, space: Polytope, move: Array) -> tuple[Polytop
 def _on_border(piece: Polytope, space: Polytope, normal: Array) -> Contact | None:
     """Where a piece lies on a face of the workspace."""
     tangent = np.array([-normal[1], normal[0]])
-    (low, high), face = _extent(piece, normal, tangent)
-    (first, last), _ = _extent(space, normal, tangent)
+    (low, high), face = extent(piece, normal, tangent)
+    (first, last), _ = extent(space, normal, tangent)
     if high < first - TOUCH or low > last + TOUCH:
         return None
     level = float((piece.vertices @ normal).max())
