@@ -40,6 +40,7 @@ class Contact:
 
 
 def boxes_meet(a: Polytope, b: Polytope) -> bool:
+    """Whether the bounding boxes touch: cheap, and needed for any contact."""
     low = np.maximum(a.vertices.min(axis=0), b.vertices.min(axis=0))
     high = np.minimum(a.vertices.max(axis=0), b.vertices.max(axis=0))
     return bool((low <= high + TOUCH).all())
