@@ -17,11 +17,12 @@ settings.register_profile(
 settings.register_profile("full", max_examples=500, deadline=None, suppress_health_check=_QUIET)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
 
-# Processes of their own and whole searches: a third of the tests, most of the time.
+# Processes of their own, whole searches, quadratures: a third of the tests, three quarters of the
+# processor time (350 s; what is left takes a minute of it).
 SLOW = (
-    "backends/test_race.py", "bench", "cli", "docs", "milp/tables", "solve/bounders",
-    "solve/test_link_search", "solve/test_link_kinds", "test_wheel.py", "verify/test_definition",
-    "verify/test_peers",
+    "backends/test_race.py", "bench", "cli", "docs", "milp/tables", "missions",
+    "radio/test_averages", "solve/bounders", "solve/test_link_search", "solve/test_link_kinds",
+    "test_wheel.py", "verify/test_continuous_truth", "verify/test_definition", "verify/test_peers",
 )  # fmt: skip
 
 

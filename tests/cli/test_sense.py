@@ -174,7 +174,7 @@ def test_both_senses_are_minimised(folder: Path) -> None:
 
 
 def test_records_of_benchmarks() -> None:
-    from bench import tiny
+    from support import tiny
 
     found = run_job(tiny.job(text=MISSION))
     assert found is not None

@@ -101,4 +101,4 @@ def test_link_predicates_in_a_robustness_objective(predicate: str) -> None:
     outcome = plan(text, 5)
     reached = next(r for r in outcome.plan.requirements if r.name == "talk")
     assert reached.robustness >= 0
-    assert outcome.plan.solve.objective == pytest.approx(-reached.robustness, abs=1e-4)
+    assert outcome.plan.solve.objective == pytest.approx(reached.robustness, abs=1e-4)

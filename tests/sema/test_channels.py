@@ -142,7 +142,7 @@ def test_link_predicates() -> None:
         "radio", Quantity.RSSI, "a", "b", Relation.AT_LEAST, -73.0
     )
     assert link("2 * ber(a, base) <= 1e-3") == Link(
-        "radio", Quantity.BER, "a", "base", Relation.AT_MOST, 5e-4
+        "radio", Quantity.BER, "a", "base", Relation.AT_MOST, 5e-4, factor=2.0
     )
     assert link("0.9 <= prr(b, a, radio)") == Link(
         "radio", Quantity.PRR, "b", "a", Relation.AT_LEAST, 0.9

@@ -23,7 +23,7 @@ SEEDS = dict.fromkeys(FAMILIES, 1) | {
 @pytest.mark.parametrize("family", SEEDS)
 def test_plans_keep_their_promises(family: str) -> None:
     scene = draw(family, SEEDS[family])
-    found = examine(scene, 20.0)
+    found = examine(scene, 600.0)
     assert found.verdict in ("plan", "infeasible")
     assert not found.is_fault(scene), found
 
