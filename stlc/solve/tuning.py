@@ -97,8 +97,8 @@ class Route:
     """`routes/`: runs by beams over states and progress, plans near them."""
 
     glance: float = 1.0  # s of a plain solve ahead of it all
-    share: float = 0.2  # of the time that is left: for the glance, for a first plan
-    seconds: float = 20.0  # for a first plan
+    share: float = 0.3  # of the time that is left: for the glance, for a first plan
+    seconds: float = 25.0  # for a first plan
     efforts: tuple[tuple[int, int, float, float], ...] = (
         (1500, 2, 0.0, 1.0), (1500, 2, 0.0, 3.0), (1500, 3, 0.0, 1.0), (2000, 6, 0.2, 1.0),
         (1500, 2, 0.3, 3.0), (3000, 4, 0.2, 3.0), (8000, 2, 0.0, 2.0), (8000, 4, 0.2, 2.0),
@@ -112,6 +112,10 @@ class Route:
     first_radius: float = 0.05  # of the workspace
     least_radius: float = 0.01
     wider: float = 1.6
+    bound_share: float = 0.6  # of the time that is left: for grids of `play.py`
+    bound_seconds: float = 60.0
+    cuts: tuple[int, ...] = (1, 3, 6, 12)  # into which the fastest move is cut, at least
+    growth: float = 2.0  # how much longer the next grid takes
 
 
 @dataclass(frozen=True, slots=True)

@@ -77,7 +77,7 @@ def _run(compiled: Compiled, found: Solution, name: str) -> Run | None:
 def bounded(compiled: Compiled, lone: Sequence[LoneRun]) -> Compiled:
     """The compiled mission with their rows added at the end; columns stay as they are."""
     shares = compiled.layout.effort
-    rows = [(shares[one.agent], _safe(one.bound)) for one in lone if one.agent in shares]
+    rows = [(shares[one.agent], safe(one.bound)) for one in lone if one.agent in shares]
     rows = [(columns, bound) for columns, bound in rows if len(columns)]
     if not rows:
         return compiled
@@ -106,8 +106,9 @@ def least(compiled: Compiled, lone: Sequence[LoneRun]) -> float:
     """The bounds of all agents together: no plan costs less. -inf where an agent is missing."""
     if len(lone) < len(compiled.states):
         return -np.inf
-    return compiled.model.offset + sum(_safe(one.bound) for one in lone)
+    return compiled.model.offset + sum(safe(one.bound) for one in lone)
 
 
-def _safe(bound: float) -> float:
+def safe(bound: float) -> float:
+    """A bound less what solvers take for satisfied."""
     return bound - _SLACK * (1 + abs(bound))

@@ -130,7 +130,7 @@ class Beam:
         fine = np.ones(len(u), bool)
         for number in self.progress.asserted.get(t, ()):
             atom = self.progress.atoms[number]
-            if _of_inputs(atom.node, self.agent.name):
+            if of_inputs(atom.node, self.agent.name):
                 fine &= self.judge.holds(atom.node, atom.source, moves, {})
         return np.asarray(u[fine])
 
@@ -272,7 +272,7 @@ class Beam:
         return way, late
 
 
-def _of_inputs(node: Node, agent: str) -> bool:
+def of_inputs(node: Node, agent: str) -> bool:
     """Whether a formula speaks of inputs of the agent only."""
     leaves = [part for part in walk(node) if not part.children]
     return all(

@@ -10,9 +10,12 @@ fulfilled, and goes where another one implies it, so that a periodic visit is on
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
+from stlc.arrays import Bools
 from stlc.ir.nodes import And, Linear, Link, Node, Or, Role
 
 TRUE, FALSE = 0, 1
@@ -145,6 +148,25 @@ class Progress:
             elif rest != TRUE:
                 left.add(rest)
         return self._without_implied(left)
+
+    def eased(self, opens: Sequence[Open]) -> Bools:
+        """(k, k): whether the first asks for nothing that the second does not ask for too."""
+        numbers = sorted({n for open_ in opens for n in open_})
+        place = {n: k for k, n in enumerate(numbers)}
+        member = np.zeros((len(opens), len(numbers)), bool)
+        for row, open_ in zip(member, opens, strict=True):
+            row[[place[n] for n in open_]] = True
+        implies = np.eye(len(numbers), dtype=bool)
+        alternatives = [self._alternatives(n) for n in numbers]
+        for i, all_ in enumerate(alternatives):
+            implies[i] |= np.array([some <= all_ for some in alternatives], bool)
+        given = (member.astype(np.float32) @ implies.T.astype(np.float32)) > 0
+        missing = member.astype(np.float32) @ (~given).T.astype(np.float32)
+        return np.asarray(missing == 0)
+
+    def _alternatives(self, number: int) -> frozenset[int]:
+        kind, args = self.parts[number]
+        return args if kind == "or" else frozenset((number,))
 
     def _rest(self, number: int, step: int, holds: Mapping[int, bool], done: dict[int, int]) -> int:
         if self.first[number] > step:
