@@ -231,6 +231,7 @@ class Channel:
     tables: Mapping[tuple[str, str] | None, Array] = field(default_factory=dict)
     predicate_bound: Bound = Bound.WORST
     cost_bound: Bound = Bound.MEAN
+    auto: bool = False  # the partition may be made finer (`stlc.grids`)
     span: Span | None = None
 
     def has_table(self, pair: tuple[str, str]) -> bool:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stlc.files import write_atomic
+from stlc.grids import shapes
 from stlc.sense import Sense
 
 if TYPE_CHECKING:
@@ -79,7 +80,8 @@ class SolveInfo:
 class Plan:
     """A run of the mission's agents over steps 0..horizon, `step` seconds apart.
 
-    `mission` is the file's name, `sha256` the digest of its text, `params` what `-D` set.
+    `mission` is the file's name, `sha256` the digest of its text, `params` what `-D` set,
+    `grids` the cells along x and y of channels that chose them (`stlc.grids`).
     `certificate` holds what certification found (plain JSON values).
     """
 
@@ -93,6 +95,7 @@ class Plan:
     links: tuple[LinkSeries, ...] = ()
     certificate: Mapping[str, Any] = field(default_factory=dict)
     params: Mapping[str, str] = field(default_factory=dict)
+    grids: Mapping[str, tuple[int, int]] = field(default_factory=dict)
 
     @property
     def times(self) -> Array:
@@ -173,7 +176,7 @@ def make_plan(
     info = solve or SolveInfo()
     return Plan(
         mission.source.name, digest, mission.step, mission.horizon, runs, info,
-        params=dict(mission.params),
+        params=dict(mission.params), grids=shapes(mission),
     )  # fmt: skip
 
 

@@ -19,6 +19,7 @@ from stlc.plan import FORMAT_VERSION, LinkSeries, Plan, RequirementValue, Run, S
 from stlc.sense import Sense
 
 Array = NDArray[np.float64]
+_MOST_CELLS = 200  # along an axis: a plan can't ask for tables beyond memory
 
 
 def to_json(plan: Plan) -> str:
@@ -30,6 +31,7 @@ def to_json(plan: Plan) -> str:
             "mission": plan.mission,
             "sha256": plan.sha256,
             "params": dict(plan.params),
+            "grids": {name: list(shape) for name, shape in plan.grids.items()},
             "step": plan.step,
             "horizon": plan.horizon,
             "solve": plain(asdict(plan.solve)),
@@ -233,7 +235,17 @@ def _plan(top: _Place) -> Plan:
         tuple(_read_link(p, length) for p in top["links"].items()),
         {k: p.value for k, p in top["certificate"].fields().items()},
         {k: p.text() for k, p in top["params"].fields().items()} if top.has("params") else {},
+        {k: _grid(p) for k, p in top["grids"].fields().items()} if top.has("grids") else {},
     )
+
+
+def _grid(place: _Place) -> tuple[int, int]:
+    """Cells along x and y of a channel that chose them."""
+    counts = [cell.value for cell in place.items()]
+    whole = all(isinstance(n, int) and 1 <= n <= _MOST_CELLS for n in counts)
+    if len(counts) != 2 or not whole:
+        raise place.fail(f"two whole numbers of cells from 1 to {_MOST_CELLS}")
+    return counts[0], counts[1]
 
 
 def _read_run(place: _Place, horizon: int) -> Run:

@@ -14,7 +14,7 @@ from stlc.sema.costs import pairs_of
 from stlc.sema.files import Files
 from stlc.sema.links import missing
 from stlc.sema.number_errors import OutOfScale
-from stlc.sema.partitions import partition
+from stlc.sema.partitions import is_auto, partition
 from stlc.sema.report import Mistake, Reported
 from stlc.sema.scope import Scope
 from stlc.sema.units import Unit
@@ -135,6 +135,7 @@ def channel(statement: ast.ChannelDecl, scope: Scope, files: Files) -> Channel:
         tables=_tables(reader, cells, files, scope),
         predicate_bound=Bound(reader.word("bound", BOUNDS, Bound.WORST.value)),
         cost_bound=Bound(reader.word("cost_bound", BOUNDS, Bound.MEAN.value)),
+        auto=is_auto(reader.block.get("partition")),
         span=statement.name.span,
     )
     return made
@@ -143,16 +144,16 @@ def channel(statement: ast.ChannelDecl, scope: Scope, files: Files) -> Channel:
 def _partition(
     statement: ast.ChannelDecl, reader: Reader, model: ChannelModel | None, scope: Scope
 ) -> Partition:
-    item = reader.block.get("partition")
-    if item is None:
-        why = "cells are what a channel is tabulated on"
-        raise Mistake(missing(statement.name.text, "partition", why, statement.name.span))
+    item, name = reader.block.get("partition"), statement.name
+    if item is None and model is None:
+        why = "the table is over its cells"
+        raise Mistake(missing(name.text, "partition", why, name.span))
     if scope.unread_workspace:
         raise Reported
     if scope.workspace is None:
         problem, hint = "a partition needs a workspace", "add `workspace box [0, 10] x [0, 10]`"
-        name = statement.name.text
-        raise Mistake(BadChannel(span=item.span, channel=name, problem=problem, hint=hint))
+        span = name.span if item is None else item.span
+        raise Mistake(BadChannel(span=span, channel=name.text, problem=problem, hint=hint))
     return partition(item, model, scope)
 
 

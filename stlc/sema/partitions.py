@@ -1,4 +1,4 @@
-"""Partitions of a channel: `10 x 10`, edges `[0, 2, 5] x [0, 5]`, a cell size, or a quadtree."""
+"""Partitions of a channel: `auto`, `10 x 10`, edges `[0, 2, 5] x [0, 5]`, or a quadtree."""
 
 from __future__ import annotations
 
@@ -22,8 +22,16 @@ USAGE = "partition 10 x 10"
 MOST_CELLS = 40_000
 
 
-def partition(item: ast.Property, model: ChannelModel | None, scope: Scope) -> Partition:
+def is_auto(item: ast.Property | None) -> bool:
+    """Whether a channel chooses its own grid: by the word `auto`, or for want of a property."""
+    head = item.args[0] if item is not None and len(item.args) == 1 else None
+    return item is None or (isinstance(head, ast.Name) and head.text == "auto")
+
+
+def partition(item: ast.Property | None, model: ChannelModel | None, scope: Scope) -> Partition:
     """The cells that a property describes, over the workspace's bounding box."""
+    if item is None or is_auto(item):
+        return _auto(item, model, scope)
     head = item.args[0] if item.args else None
     if isinstance(head, ast.Name) and head.text == "quadtree":
         return _quadtree(item, list(item.args[1:]), model, scope)
@@ -57,6 +65,18 @@ def _quadtree(
     stations = [s.position for s in scope.stations.values()]
     fixed = np.array(stations) if stations and len(scope.agents) == 1 else None
     return quadtree(start, variation_score(model, fixed), tolerance, most)
+
+
+def _auto(item: ast.Property | None, model: ChannelModel | None, scope: Scope) -> Partition:
+    from stlc.grids import first_grid
+
+    assert scope.workspace is not None, "the channel was refused"
+    if model is None:
+        assert item is not None, "a table without a partition was refused"
+        raise props.bad(item, "of a table must be a grid", USAGE)
+    x_lo, x_hi, y_lo, y_hi = bounds([scope.workspace])
+    length = model.length if model.shadowing > 0 else None
+    return first_grid((x_lo, x_hi), (y_lo, y_hi), length)
 
 
 def _grid(item: ast.Property, args: tuple[ast.Expr, ...], scope: Scope) -> Partition:

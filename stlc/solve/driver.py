@@ -20,6 +20,7 @@ from stlc.errors import (
     NoPlanError,
     SolverError,
 )
+from stlc.grids import shapes, text
 from stlc.sense import Sense
 from stlc.solve.deadline import Deadline, Stopwatch
 from stlc.solve.events import (
@@ -55,15 +56,35 @@ def solve_mission(
 
     `listen` and `should_stop` are called in this thread. When `should_stop` says so, and on
     KeyboardInterrupt, the best plan so far is the outcome. Where a second solver refutes a claim
-    that there is none, it goes on from the point that it found. Raises InfeasibleError (confirmed
-    by a second solver), NoPlanError at a limit with nothing in hand, InterruptedSolveError when
-    stopped with nothing in hand, SolverError when the solver is missing, fails or its answer is
-    refused, and DisagreementError when the verifier refuses what the Model accepts.
+    that there is none, it goes on from the point that it found. Channels with `partition auto` get
+    finer grids where whole cells rule out what points of them may offer. Raises InfeasibleError
+    (confirmed by a second solver), NoPlanError at a limit with nothing in hand,
+    InterruptedSolveError when stopped with nothing in hand, SolverError when the solver is
+    missing, fails or its answer is refused, and DisagreementError when the verifier refuses
+    what the Model accepts.
     """
+    from stlc.solve.refine import refined_if_cells
+
+    settings = settings or SolveSettings()
+    deadline = Deadline.after(settings.time_limit, should_stop)
+    while True:
+        try:
+            return _solve_on(mission, settings, listen, deadline)
+        except InfeasibleError:
+            refined = refined_if_cells(mission, settings, deadline)
+            if refined is None:
+                raise
+            listen(StatusEvent("refine", f"whole cells rule it out; now {text(shapes(refined))}"))
+            mission = refined
+
+
+def _solve_on(
+    mission: Mission, settings: SolveSettings, listen: Listener, deadline: Deadline
+) -> Outcome:
+    """Plan a mission on the grids that its channels have."""
     from stlc.milp.encodings import encoding_label
     from stlc.solve.blame import compile_or_blame
 
-    settings = settings or SolveSettings()
     backend = backends.get(settings.backend)
     require(backend)
     compiling = Stopwatch()
@@ -72,7 +93,6 @@ def solve_mission(
     tell_warnings(compiled.warnings, listen)
     took = compiling.seconds
     label = encoding_label(settings.compile)
-    deadline = Deadline.after(settings.time_limit, should_stop)
     return _Job(mission, settings, compiled, backend, listen, deadline, label).run(took)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from itertools import combinations
 
 from stlc.channels import ChannelTables
+from stlc.grids import on_grids, shapes, text
 from stlc.mission import Mission
 from stlc.plan import Plan
 from stlc.verify.chains import Chain
@@ -34,10 +35,11 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
     - 1e-6; links on the cell model), `swept` conditions in continuous time, the objective and the
     bound claimed. Links are judged at the true positions too: what fails only there is in
     `approximate`, unless the channel's bound promised to be rigorous. `tables` saves making a
-    channel's tables again.
+    channel's tables again. A channel that chooses its grid is judged on the plan's.
 
     Raises UsageError when the plan doesn't fit the mission's shape.
     """
+    mission = on_grids(mission, plan.grids)
     subject = make_subject(mission, plan, tables)
     cells = CellModel(subject)
     true = TrueModel(subject, cells)
@@ -85,6 +87,8 @@ def _notes(subject: Subject, motion: Mapping[str, Path]) -> Iterator[str]:
     """What a reader should know of how the plan was judged."""
     if stale(subject.mission, subject.plan):
         yield "the mission's text has changed since the plan was made"
+    if chosen := shapes(subject.mission):
+        yield f"links are judged cell by cell, {text(chosen)}, chosen by `partition auto`"
     yield from norm_notes(subject)
     yield from workspace_notes(subject.mission, motion)
     models = {name: agent.dynamics for name, agent in subject.mission.agents.items()}
