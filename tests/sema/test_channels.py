@@ -172,7 +172,6 @@ def test_costs_in_formulas() -> None:
     ("channel", "rest", "code"),
     [
         ("partition 2 x 2", "", "E0601"),
-        (LOSS, "", "E0601"),
         (LOSS + "partition 2 x 2", "minimize link_cost(radio)", "E0601"),
         (LOSS + "partition 2 x 2; noise_floor -90 dBm; cost etx", "minimize link_cost", "E0601"),
         (LOSS + "partition 2 x 2; cost outage", "minimize link_cost(radio)", "E0601"),
