@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stlc.ir.requirement import Requirement
+from stlc.places import Obstacle, Polytope, Region
 from stlc.sense import Sense
 from stlc.source import Source, Span
 
@@ -24,82 +25,6 @@ if TYPE_CHECKING:
     from stlc.radio.partition import Partition
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Polytope:
-    """Convex polygon {p : normals @ p <= offsets}; unit normals, so slacks are metres.
-
-    normals (k, 2), offsets (k,), vertices (k, 2) counter-clockwise [m].
-    """
-
-    normals: Array
-    offsets: Array
-    vertices: Array
-
-
-@dataclass(frozen=True, slots=True)
-class Outline:
-    """A polygon as the file gives it: its ring of corners and those of its holes [m]."""
-
-    ring: tuple[tuple[float, float], ...]
-    holes: tuple[tuple[tuple[float, float], ...], ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Region:
-    """Union of convex pieces.
-
-    `outlines` are the polygons as written; `barrier` are pieces to keep out of, whose seams are
-    closed (`stlc/sema/seams.py`).
-    """
-
-    name: str
-    pieces: tuple[Polytope, ...]
-    span: Span | None = None
-    outlines: tuple[Outline, ...] = ()
-    barrier: tuple[Polytope, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Track:
-    """An obstacle's shape and motion as the file gives them.
-
-    `frames` are (step, polygons), the first at step 0. Between two of them the obstacle rests at
-    the earlier and moves in the last step, or moves all the time if `linear`; `velocity` [m/s]
-    carries everything along.
-    """
-
-    frames: tuple[tuple[int, tuple[Outline, ...]], ...]
-    linear: bool = False
-    velocity: tuple[float, float] = (0.0, 0.0)
-
-
-@dataclass(frozen=True, slots=True)
-class Sweep:
-    """What to keep out of from one step to the next: pieces that move by `move` [m] meanwhile."""
-
-    pieces: tuple[Polytope, ...]
-    move: tuple[float, float] = (0.0, 0.0)
-
-
-@dataclass(frozen=True, slots=True)
-class Obstacle:
-    """A region to keep out of: `frames[t]` are its pieces at step t (the last stays for ever).
-
-    `frames` are inflated by `inflate` metres; `bodies` are the same frames before inflation.
-    `barrier[t]` are the frames with closed seams, to keep out of at step t, and `sweeps[t]` what
-    to keep out of from t to t + 1; `track` is what the file says.
-    """
-
-    name: str
-    frames: tuple[tuple[Polytope, ...], ...]
-    bodies: tuple[tuple[Polytope, ...], ...]
-    inflate: float = 0.0
-    span: Span | None = None
-    track: Track | None = None
-    barrier: tuple[tuple[Polytope, ...], ...] = ()
-    sweeps: tuple[Sweep, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

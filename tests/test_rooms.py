@@ -95,7 +95,7 @@ GRAPH = {module: _imports(module) for module in MODULES}
 
 def _room(module: str) -> str:
     room = module.split(".")[1] if "." in module else ""
-    return "plan" if room == "plan_json" else room  # one room in two files
+    return {"plan_json": "plan", "places": "mission"}.get(room, room)  # rooms in two files
 
 
 def _crossings() -> Iterable[tuple[str, str, str, str]]:

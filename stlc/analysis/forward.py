@@ -13,7 +13,8 @@ import numpy as np
 from stlc.analysis.doubles import check_held
 from stlc.arrays import Floats
 from stlc.ir.nodes import Role
-from stlc.mission import Agent, Mission, NormBound, PolygonKind, Polytope
+from stlc.mission import Agent, Mission, NormBound, PolygonKind
+from stlc.places import Polytope
 
 SLACK = 1e-9  # keeps rounding from cutting off a feasible point
 

@@ -17,7 +17,8 @@ from stlc.analysis.ranges import Ranges
 from stlc.arrays import Floats
 from stlc.bezier import curve
 from stlc.milp.context import Context
-from stlc.mission import Agent, Polytope
+from stlc.mission import Agent
+from stlc.places import Polytope
 
 _FINER = 2
 """Parts that each part is cut into: rows cost little without binaries, and halving the parts of a

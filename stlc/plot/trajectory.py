@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.mission import Mission, Obstacle, Polytope
+from stlc.mission import Mission
+from stlc.places import Obstacle, Polytope
 from stlc.plan import Plan
 from stlc.plot.labels import Labels
 from stlc.plot.style import BODY, BUFFER, REGION, SMALL, Look

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from stlc.ir.requirement import Requirement
-from stlc.mission import Agent, Mission, Obstacle, Polytope
+from stlc.mission import Agent, Mission
+from stlc.places import Obstacle, Polytope
 from stlc.sema import geometry
 from stlc.sema.gaps import narrow_gaps
 from stlc.sema.objective_errors import NeverTrue

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stlc.mission import Array, Polytope
+from stlc.mission import Array
+from stlc.places import Polytope
 
 TOUCH = 1e-6
 """Pieces this near touch [m]: a solver's tolerance, below which a gap is open to no one."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import hypot
 
-from stlc.mission import Polytope
+from stlc.places import Polytope
 from stlc.sema.geometry import (
     Point,
     counter_clockwise,

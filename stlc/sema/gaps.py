@@ -8,7 +8,8 @@ from itertools import combinations
 import numpy as np
 
 from stlc.diagnostics import Diagnostic
-from stlc.mission import Mission, Obstacle, Polytope
+from stlc.mission import Mission
+from stlc.places import Obstacle, Polytope
 from stlc.sema.contacts import PLUG, TOUCH
 from stlc.sema.report import with_note
 from stlc.sema.warnings import NarrowGap

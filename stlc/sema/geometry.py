@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stlc.mission import Array, Polytope
+from stlc.mission import Array
+from stlc.places import Polytope
 
 Point = tuple[float, float]
 

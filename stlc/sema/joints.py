@@ -21,7 +21,7 @@ import numpy as np
 from stlc.ir.nodes import Always, And, Eventually, Implies, Node, Or, Release, Until
 from stlc.ir.requirement import Requirement
 from stlc.ir.rewrite import with_children
-from stlc.mission import Sweep
+from stlc.places import Sweep
 from stlc.sema.members import point
 from stlc.sema.membership import keep
 from stlc.sema.scope import Scope

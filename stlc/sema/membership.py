@@ -9,7 +9,7 @@ import numpy as np
 
 from stlc.ir.claims import Membership
 from stlc.ir.nodes import And, Const, Linear, Motion, Node, Or, Swept, Timed
-from stlc.mission import Polytope, Sweep
+from stlc.places import Polytope, Sweep
 from stlc.sema.compare import at_least_zero
 from stlc.sema.members import point
 from stlc.sema.name_errors import NotNegatable, WrongKind

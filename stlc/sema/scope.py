@@ -9,7 +9,8 @@ from math import prod
 
 from stlc.bezier import Curve
 from stlc.ir.nodes import Node
-from stlc.mission import Agent, Channel, Dynamics, Obstacle, Polytope, Region, Station
+from stlc.mission import Agent, Channel, Dynamics, Station
+from stlc.places import Obstacle, Polytope, Region
 from stlc.sema.name_errors import RecursiveLet, TooDeep, TooLarge, UnknownName, WrongKind
 from stlc.sema.report import Mistake, Report, Reported, suggested_fix, suggestion
 from stlc.sema.scalars import absolute, maximum

@@ -26,7 +26,8 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from stlc.mission import Array, Polytope
+from stlc.mission import Array
+from stlc.places import Polytope
 from stlc.sema.contacts import DEEP, PLUG, TOUCH, Contact, boxes_meet, contact, extent
 from stlc.sema.geometry import (
     Point,

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from stlc.mission import Obstacle, Outline, Polytope, Region, Track
+from stlc.places import Obstacle, Outline, Polytope, Region, Track
 from stlc.sema import geometry, jsonshapes, seams, tracks
 from stlc.sema.clock import steps
 from stlc.sema.decompose import PolygonError, decompose

@@ -29,7 +29,8 @@ from stlc.ir.nodes import (
     Timed,
     Until,
 )
-from stlc.mission import Agent, Array, PolygonKind, Polytope
+from stlc.mission import Agent, Array, PolygonKind
+from stlc.places import Polytope
 
 Interval = tuple[float, float]
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stlc.arrays import Floats
-from stlc.mission import Outline, Polytope, Sweep, Track
+from stlc.places import Outline, Polytope, Sweep, Track
 from stlc.sema.geometry import Point, inflated, polytope, simplified
 from stlc.sema.seams import closed
 

@@ -8,7 +8,8 @@ from enum import Enum
 from math import prod
 
 from stlc.ir.nodes import Node, Quantity, Signal
-from stlc.mission import Agent, Obstacle, Polytope, Region, Station, Sweep
+from stlc.mission import Agent, Station
+from stlc.places import Obstacle, Polytope, Region, Sweep
 from stlc.sema.units import Unit
 from stlc.syntax import ast
 

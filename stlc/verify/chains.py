@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.mission import Track
+from stlc.places import Track
 from stlc.verify.paths import Path
 from stlc.verify.shapes import Body
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.mission import Polytope
+from stlc.places import Polytope
 from stlc.verify.chains import CHORDS, Chain
 from stlc.verify.continuous import Extremum
 from stlc.verify.shapes import Body, Form, Stay

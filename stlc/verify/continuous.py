@@ -15,7 +15,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.mission import Polytope
+from stlc.places import Polytope
 from stlc.verify.paths import Path
 
 Array = NDArray[np.float64]

@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.mission import Mission, Obstacle, Outline, Polytope, Region, Track
+from stlc.mission import Mission
+from stlc.places import Obstacle, Outline, Polytope, Region, Track
 
 if TYPE_CHECKING:
     import shapely

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.mission import Polytope
+from stlc.places import Polytope
 
 Array = NDArray[np.float64]
 

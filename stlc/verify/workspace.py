@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from stlc.mission import Mission, Polytope
+from stlc.mission import Mission
+from stlc.places import Polytope
 from stlc.verify.continuous import Extremum, inside
 from stlc.verify.paths import Path
 from stlc.verify.report import Violation

@@ -10,7 +10,8 @@ from scipy.linalg import expm
 
 from stlc.api import loads, solve, verify
 from stlc.errors import InfeasibleError
-from stlc.mission import Mission, Polytope
+from stlc.mission import Mission
+from stlc.places import Polytope
 from stlc.plan import Plan, make_plan
 
 POINTS = 200

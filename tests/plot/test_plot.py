@@ -13,7 +13,8 @@ from stlc.api import loads
 from stlc.errors import OutputError, UsageError
 from stlc.ir.nodes import Always, Eventually, Link, Quantity, Relation
 from stlc.ir.requirement import Requirement
-from stlc.mission import Bound, Channel, Region, Station
+from stlc.mission import Bound, Channel, Station
+from stlc.places import Region
 from stlc.plan import make_plan
 from stlc.plot import plan_figure, plot_plan
 from stlc.radio.gp import ChannelModel

@@ -11,7 +11,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from stlc.api import loads
-from stlc.mission import Polytope
+from stlc.places import Polytope
 from stlc.sema.decompose import PolygonError, decompose
 from stlc.sema.geometry import (
     Point,

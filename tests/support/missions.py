@@ -10,17 +10,8 @@ import numpy as np
 
 from stlc.ir.nodes import Always, And, Eventually, Linear, Node, Or, Role, Signal
 from stlc.ir.requirement import Requirement
-from stlc.mission import (
-    Agent,
-    Channel,
-    Dynamics,
-    Flow,
-    Mission,
-    Obstacle,
-    Polytope,
-    Region,
-    Station,
-)
+from stlc.mission import Agent, Channel, Dynamics, Flow, Mission, Station
+from stlc.places import Obstacle, Polytope, Region
 from stlc.source import Source
 
 INF = math.inf
