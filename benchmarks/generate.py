@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from generators import link_family, radio, scaling, stlpy, teams
+from generators import link_family, long, radio, scaling, stlpy, teams
 from numpy.typing import NDArray
 from registry import SUITES
 
@@ -33,6 +33,7 @@ GENERATORS: dict[str, Callable[..., str]] = {
     "radio_team": teams.radio_team,
     "connected_team": teams.connected_team,
     "patrol": scaling.patrol,
+    "rounds": long.rounds,
 }
 Array = NDArray[np.float64]
 MISSIONS = Path(__file__).parent / "missions"

@@ -32,6 +32,7 @@ COMMANDS = {
     "radio": ("--time-limit 10 --workers 2",),
     "teams": ("--time-limit 20 --workers 2",),
     "scaling": ("--time-limit 20 --workers 2",),
+    "long": ("--time-limit 60",),
     "ablation": (
         "--repeat 3 --time-limit 20 --workers 2",
         "--encodings auto:milp --passes each --repeat 3 --time-limit 20 --workers 2",

@@ -148,6 +148,17 @@ SCALING = Suite(
     ),
 )  # fmt: skip
 
+LONG = Suite(
+    "long",
+    "one agent over 30 to 100 steps: rounds, a rover, keys and doors; effort minimised",
+    (
+        *(_made("long", f"rounds_{t}", "rounds", "steps", t == 40, "rounds", steps=t, period=10)
+          for t in (40, 60, 100)),
+        *(Problem(name, f"published/{name}.stl", family="published")
+          for name in ("stlp_rover-1", "stlp_doorpuzzle-1")),
+    ),
+)  # fmt: skip
+
 _ABLATED = (
     "narrow_passage_T25", "stepping_stones_15_T15_s1", "door_puzzle_N1_T20", "targets_2", "ber_c5",
 )  # fmt: skip
@@ -159,4 +170,4 @@ ABLATION = Suite(
     tuple(f"{name}:milp" for name in ("auto", "onehot", "stl=unary", "log", "bigm", "stl=hull")),
 )
 
-SUITES = (PAPER, HEADLINE, STLPY, RADIO, TEAMS, SCALING, ABLATION)
+SUITES = (PAPER, HEADLINE, STLPY, RADIO, TEAMS, SCALING, LONG, ABLATION)
