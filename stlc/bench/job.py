@@ -6,7 +6,9 @@ import hashlib
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Any
+
+Figure = str | int | float | bool | None
+"""What is known of a run: a plain JSON value."""
 
 Tell = Callable[[object], None]
 """Sends a message to whoever asked for the run."""
@@ -95,7 +97,7 @@ class Job:
 class Update:
     """What a run has found out so far: plain JSON values, see `record.py`."""
 
-    fields: Mapping[str, Any] = field(default_factory=dict)
+    fields: Mapping[str, Figure] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

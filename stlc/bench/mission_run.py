@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from stlc import backends
 from stlc.api import loads
 from stlc.backends.base import Progress, Solution, SolveOptions, Status
-from stlc.bench.job import Job, Point, Tell, Update
+from stlc.bench.job import Figure, Job, Point, Tell, Update
 from stlc.bench.machine import cpu_seconds
 from stlc.errors import InfeasibleError, MissionError, SolverError, StlcError
 from stlc.files import scratch_folder
@@ -179,7 +179,7 @@ def solve_options(job: Job, report: Any = None) -> SolveOptions:
     return SolveOptions(limits.seconds, limits.gap, limits.threads, seed, on_progress=report)
 
 
-def no_point(solution: Solution) -> dict[str, Any]:
+def no_point(solution: Solution) -> dict[str, Figure]:
     """Status and message of an answer without a point."""
     match solution.status:
         case Status.INFEASIBLE:

@@ -13,7 +13,7 @@ import numpy as np
 from stlc import backends
 from stlc.backends.base import Progress, Solution, Status
 from stlc.backends.highs_session import new_highs
-from stlc.bench.job import Job, Point, Tell, Update
+from stlc.bench.job import Figure, Job, Point, Tell, Update
 from stlc.bench.machine import cpu_seconds
 from stlc.bench.mission_run import load_solvers, no_point, relaxation, sizes, solve_options
 from stlc.errors import SolverError, StlcError, UsageError
@@ -59,7 +59,7 @@ def _run(job: Job, tell: Tell) -> None:
         tell(Update({"lp_bound": relaxation(model, job.limits.seconds)}))
 
 
-def _certified(job: Job, model: Model, solution: Solution) -> dict[str, Any]:
+def _certified(job: Job, model: Model, solution: Solution) -> dict[str, Figure]:
     if solution.x is None:
         return no_point(solution)
     try:

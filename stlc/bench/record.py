@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
-from stlc.bench.job import Job
+from stlc.bench.job import Figure, Job
 
 SOLVED = ("optimal", "infeasible")
 
@@ -87,8 +87,11 @@ class Record:
         return json.dumps(asdict(self))
 
 
-def record_of(job: Job, known: Mapping[str, Any]) -> Record:
-    """The record of a job, with what its process told."""
+def record_of(
+    job: Job, known: Mapping[str, Figure], trace: tuple[tuple[float | None, ...], ...] = ()
+) -> Record:
+    """The record of a job, with what its process told: figures under the record's own names."""
+    told: dict[str, Any] = dict(known)
     config, limits = job.config, job.limits
     return Record(
         key=job.key, suite=job.suite, problem=job.problem, label=config.label,
@@ -96,7 +99,7 @@ def record_of(job: Job, known: Mapping[str, Any]) -> Record:
         strategy=config.strategy, repeat=job.repeat, axes=json.dumps(dict(job.axes)),
         family=job.family,
         time_limit=limits.seconds, gap_limit=limits.gap, threads=limits.threads,
-        memory_limit=limits.memory, code=job.code, digest=job.digest, **known,
+        memory_limit=limits.memory, code=job.code, digest=job.digest, trace=trace, **told,
     )  # fmt: skip
 
 

@@ -6,10 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from queue import Empty, SimpleQueue
-from typing import Any
 
 from stlc.backends.base import relative_gap
-from stlc.bench.job import Done, Job, Point, Update
+from stlc.bench.job import Done, Figure, Job, Point, Update
 from stlc.bench.record import Record, record_of
 from stlc.errors import SolverError
 from stlc.solve.racing.child import Child
@@ -48,7 +47,7 @@ class _Known:
     """What a job's process has told so far."""
 
     job: Job
-    fields: dict[str, Any] = field(default_factory=dict)
+    fields: dict[str, Figure] = field(default_factory=dict)
     trace: list[Point] = field(default_factory=list)
     complete: bool = False
 
@@ -72,7 +71,7 @@ class _Known:
 
     def fail(self, status: str, message: str) -> None:
         """It ended early; an answer that was certified by then stays one."""
-        self.fields = {"status": status, "message": message} | self.fields
+        self.fields = {"status": status, "message": message, **self.fields}
 
     def record(self, wall: float) -> Record:
         """The finished run."""
@@ -83,9 +82,7 @@ class _Known:
         fields["gap_60"] = _gap_at_mark(self.trace, fields)
         points = tuple((p.seconds, p.objective, p.bound, p.nodes) for p in _thinned(self.trace))
         when = datetime.now(UTC).isoformat(timespec="seconds")
-        return record_of(
-            self.job, {**fields, "wall_seconds": wall, "finished": when, "trace": points}
-        )
+        return record_of(self.job, {**fields, "wall_seconds": wall, "finished": when}, points)
 
 
 _OTHER_CODE = (
@@ -101,11 +98,11 @@ def _listen(queue: SimpleQueue[object | None], known: _Known, child: Child) -> N
         return
 
 
-def _gap_at_mark(trace: list[Point], fields: dict[str, Any]) -> float | None:
+def _gap_at_mark(trace: list[Point], fields: dict[str, Figure]) -> float | None:
     """The gap after 60 s of the solver, or at the end of a run that ended before."""
-    ended: float | None = fields.get("solver_seconds")
-    if ended is not None and ended <= _MARK and fields.get("gap") is not None:
-        return float(fields["gap"])
+    ended, gap = fields.get("solver_seconds"), fields.get("gap")
+    if isinstance(ended, float) and ended <= _MARK and isinstance(gap, float | int):
+        return float(gap)
     gaps = [relative_gap(p.objective, p.bound) for p in trace if p.seconds <= _MARK]
     return next((gap for gap in reversed(gaps) if gap is not None), None)
 

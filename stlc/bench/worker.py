@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
-from typing import Any
 
-from stlc.bench.job import Done, Job, Tell, Update
+from stlc.bench.job import Done, Figure, Job, Tell, Update
 from stlc.solve.racing.child import end_with_input, limit_memory, private_output
 from stlc.solve.racing.messages import read_message, write_message
 
@@ -39,7 +38,7 @@ def main() -> None:
 def _introduce(tell: Tell) -> None:
     from stlc.bench import machine
 
-    who: Mapping[str, Any] = {
+    who: Mapping[str, Figure] = {
         "code": machine.fingerprint(),
         "versions": machine.versions(),
         "processor": machine.processor(),
