@@ -37,8 +37,8 @@ PLAN = {
     "TEAM": ("headline/links_a3_t8_c10_s0",),
     "DIVE": ("stlpy/door_puzzle_N2_T25", "stlpy/multitarget_o3_g4_t2_T30_s1"),
     "LONE": ("teams/team_3", "teams/team_4"),
-    "JOIN": ("teams/team_4",),
-    "TURNS": ("teams/team_5",),
+    "TURNS": ("teams/team_5", "headline/prr_a3_t12_c10"),
+    "NEAR": ("teams/team_4", "teams/team_5"),
     "ROUTES": ("published/stlp_rover-1", "published/stlp_doorpuzzle-1"),
 }
 """Record -> missions of benchmarks/missions whose search reads it."""

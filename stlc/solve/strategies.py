@@ -1,13 +1,14 @@
 """The strategies in their order, and how a solve runs through them.
 
-    brief        small team models: a plain solve for a moment
-    turns        teams without a plan: one agent after the other, earlier ones held
-    routes       no plan yet: runs over states and progress, better plans near them
-    lone         teams that minimise effort: what each agent does alone, as rows and runs
-    links        links between moving agents: dynamic programming bounds, branch and bound
-    prioritised  teams that minimise effort: runs alone are joined to plans
-    dive         maximal robustness: a run at the static bound
-    milp         the compiled model, by the backend
+    brief           small team models: a plain solve for a moment
+    turns           teams without a plan: one agent after the other, earlier ones held
+    groups          agents that have nothing to do with each other: solved apart
+    routes          no plan yet: runs over states and progress, better plans near them
+    lone            teams that minimise effort: what each agent does alone, as rows and runs
+    neighbourhoods  teams with a plan: a few agents answer the others anew
+    links           links between moving agents: dynamic programming bounds, branch and bound
+    dive            maximal robustness: a run at the static bound
+    milp            the compiled model, by the backend
 
 A package offers its own under the entry-point group `stlc.strategies`: a `Strategy` object; it
 runs before `milp`.
@@ -26,10 +27,11 @@ from stlc.milp.model import Model
 from stlc.solve import tuning
 from stlc.solve.alone.strategy import LONE
 from stlc.solve.heuristics.dive import DIVE
-from stlc.solve.heuristics.prioritised import PRIORITISED
 from stlc.solve.link_search import LINKS
 from stlc.solve.routes.strategy import ROUTES
 from stlc.solve.strategy import Strategy, Work
+from stlc.solve.teams.groups import GROUPS
+from stlc.solve.teams.neighbourhoods import NEIGHBOURHOODS
 from stlc.solve.teams.turns import TURNS
 
 ENTRY_POINTS = "stlc.strategies"
@@ -120,6 +122,6 @@ def solve_twice_if_infeasible(model: Model, backend: Backend, options: SolveOpti
 BRIEF = Strategy("brief", _is_small, _try_briefly)
 MILP = Strategy("milp", lambda work: True, _solve_whole)
 STRATEGIES: tuple[Strategy, ...] = (
-    BRIEF, TURNS, ROUTES, LONE, LINKS, PRIORITISED, DIVE, MILP,
+    BRIEF, TURNS, GROUPS, ROUTES, LONE, NEIGHBOURHOODS, LINKS, DIVE, MILP,
 )  # fmt: skip
 """Every strategy, in the order in which they run."""

@@ -81,18 +81,6 @@ class Lone:
 
 
 @dataclass(frozen=True, slots=True)
-class Join:
-    """`heuristics/prioritised.py`: runs alone joined to plans."""
-
-    share: float = 0.3  # of the time that is left; flat
-    seconds: float = 60.0  # at most; flat
-    many: int = 4  # agents: two of fewer are nearly the whole team; flat
-    far: float = 0.1  # relative: a plan so far off is worth another; halved 1.2, doubled flat
-    near: float = 0.02  # and from here on the solver finds the rest soon; flat
-    rough: float = 0.05  # gap of a run that will be bettered later; halved 1.5 the time
-
-
-@dataclass(frozen=True, slots=True)
 class Route:
     """`routes/`: runs by beams over states and progress, plans near them."""
 
@@ -127,8 +115,24 @@ class Turns:
     all: float = 0.5  # of the time that is left, for all of them
     most: float = 120.0  # s
     rough: float = 0.5  # gap: any run will do
+    fine: float = 0.02  # gap of runs beside those that agents have alone
     partners: int = 4  # of an agent that finds no way, to be planned with it
 
 
-BRIEF, PAIR, TEAM, DIVE, LONE, JOIN = Brief(), Pair(), Team(), Dive(), Lone(), Join()
-ROUTES, TURNS = Route(), Turns()
+@dataclass(frozen=True, slots=True)
+class Near:
+    """`teams/neighbourhoods.py`: a few agents answer the others anew."""
+
+    agents: int = 3  # free at once, at most
+    gap: float = 0.01  # of an answer
+    worth: float = 0.3  # gaps: an improvement that counts
+    share: float = 0.2  # of the time that is left, for one answer
+    seconds: float = 10.0  # and at most
+    effort: float = 0.5  # of the time that is left, for all of them
+    alone: float = 0.5  # of that, to plan around what agents do alone
+    priced: float = 0.25  # and where links cost: bounds take longer there
+    most: float = 300.0  # s
+
+
+BRIEF, PAIR, TEAM, DIVE, LONE = Brief(), Pair(), Team(), Dive(), Lone()
+ROUTES, TURNS, NEAR = Route(), Turns(), Near()

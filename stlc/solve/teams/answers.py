@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from stlc.backends.base import Backend, Progress, Solution, SolveOptions, Status
+from stlc.arrays import Floats
+from stlc.backends.base import Backend, Capability, Progress, SolveOptions, Status
 from stlc.errors import InfeasibleError, SolverError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.solve.alone.run import Run
@@ -27,11 +28,12 @@ Runs = Mapping[str, Run]
 @dataclass(frozen=True, slots=True, eq=False)
 class Answer:
     """Runs of the free agents, None where none were found; who stood in their way; whether that
-    is the best there is (or proven to be nothing)."""
+    is the best there is (or proven to be nothing); by how much it is better than known runs."""
 
     runs: Runs | None
     met: frozenset[str]
     settled: bool
+    gain: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,10 +84,16 @@ class Answers:
         nothing = frozenset[str]()
         if effort.deadline.over():
             return Answer(None, nothing, settled=False)
+        first = _First(effort)
+        asked = replace(
+            self.options, gap=effort.gap, start=None, time_limit=effort.deadline.limit,
+            on_progress=first.see, should_stop=first.stop,
+        )  # fmt: skip
         mission = against(self.compiled.mission, free, held, self.compiled.channels)
         try:
             team = compile_mission(mission, CompileOptions(link=self.compiled.link))
-            found = self._solve(team, {name: runs[name] for name in free if name in runs}, effort)
+            start = self._start(team, runs, replace(asked, on_progress=None, gap=0.0))
+            found = self.backend.solve(team.model, replace(asked, start=start))
         except InfeasibleError:
             return Answer(None, nothing, settled=True)
         except SolverError:
@@ -94,21 +102,16 @@ class Answers:
         if found.x is None:
             return Answer(None, nothing, settled)
         made = team.decode(found.x)
-        return Answer({n: (made.states[n], made.inputs[n]) for n in free}, nothing, settled)
+        gain = 0.0 if start is None else team.model.objective(start) - team.model.objective(found.x)
+        return Answer({n: (made.states[n], made.inputs[n]) for n in free}, nothing, settled, gain)
 
-    def _solve(self, team: Compiled, known: Runs, effort: Effort) -> Solution:
-        """From the known runs, if they are of all the team."""
-        first = _First(effort)
-        asked = replace(
-            self.options, gap=effort.gap, start=None, time_limit=effort.deadline.limit,
-            on_progress=first.see, should_stop=first.stop,
-        )  # fmt: skip
-        if known.keys() >= team.states.keys():
-            fixed = hold(team, known, _LOOSE)
-            start = None if fixed is None else self.backend.solve(fixed, asked).x
-            first.seen = False
-            asked = replace(asked, start=start)
-        return self.backend.solve(team.model, asked)
+    def _start(self, team: Compiled, runs: Runs, asked: SolveOptions) -> Floats | None:
+        """A point (n,) with the known runs, if they are of all the team."""
+        able = Capability.START in self.backend.capabilities
+        if not able or not runs.keys() >= team.states.keys():
+            return None
+        fixed = hold(team, {name: runs[name] for name in team.states}, _LOOSE)
+        return None if fixed is None else self.backend.solve(fixed, asked).x
 
 
 @dataclass(slots=True)

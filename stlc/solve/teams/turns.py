@@ -9,7 +9,7 @@ point of the whole model.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -27,10 +27,14 @@ NEEDED = Capability.TIME_LIMIT | Capability.GAP
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Turns:
-    """A search for runs of all agents that get along."""
+    """A search for runs of all agents that get along.
+
+    `alone` are runs that agents keep to where they get along with what is planned; without any,
+    the first run that is found will do for each."""
 
     answers: Answers
     deadline: Deadline
+    alone: Runs = field(default_factory=dict)
 
     def plan(self, names: Sequence[str]) -> Runs | None:
         """Runs of these agents, None where none were found."""
@@ -55,6 +59,9 @@ class Turns:
         """Runs planned in this order; who has none is added to `failed`."""
         runs: dict[str, tuple[Floats, Floats]] = {}
         for name in order:
+            if self._keeps(name, runs):
+                runs[name] = self.alone[name]
+                continue
             answer = self._any((name,), runs)
             found = answer.runs
             if found is None and answer.met:
@@ -67,7 +74,17 @@ class Turns:
 
     def _any(self, free: Sequence[str], runs: Runs, met: frozenset[str] = frozenset()) -> Answer:
         moment = self.deadline.share(tuning.TURNS.share, tuning.TURNS.seconds)
-        return self.answers.find(free, runs, Effort(moment, tuning.TURNS.rough, True), met)
+        rough = not self.alone
+        gap = tuning.TURNS.rough if rough else tuning.TURNS.fine
+        return self.answers.find(free, runs, Effort(moment, gap, rough), met)
+
+    def _keeps(self, name: str, runs: Runs) -> bool:
+        """Whether an agent's run alone gets along with those that are planned."""
+        couplings = self.answers.couplings
+        if name not in self.alone or couplings.bound[name] & runs.keys():
+            return False
+        with_it = {**runs, name: self.alone[name]}
+        return all(couplings.get_along(name, other, with_it) for other in runs)
 
     def _together(self, name: str, runs: Runs, answer: Answer) -> Runs | None:
         """The agent with one of those that it met planned anew, bound ones before others."""

@@ -15,10 +15,11 @@ from stlc.solve import tuning
 from stlc.solve.alone.bounds import bounded, least, lone_runs
 from stlc.solve.alone.project import project
 from stlc.solve.alone.strategy import LONE
-from stlc.solve.heuristics.prioritised import PRIORITISED, Joint
 from stlc.solve.judge import Judge
 from stlc.solve.strategies import run_strategies, run_strategy
 from stlc.solve.strategy import Work
+from stlc.solve.teams.neighbourhoods import NEIGHBOURHOODS
+from stlc.solve.teams.turns import TURNS
 
 HIGHS = backends.get("highs")
 EXACT = SolveOptions(gap=1e-6)
@@ -118,7 +119,7 @@ def test_a_team_that_gets_along_needs_no_solver_for_the_whole() -> None:
     text += REGIONS.format(low=1, high=5) + "require a: eventually r1 in east\n"
     text += "require b: eventually r2 in east\nrequire c: always separation(r1, r2) >= 0.2 m\n"
     compiled = compile_mission(loads(text + "minimize effort"))
-    found = run_strategies([LONE, PRIORITISED], Work.of(compiled, HIGHS, SolveOptions()))
+    found = run_strategies([LONE, NEIGHBOURHOODS], Work.of(compiled, HIGHS, SolveOptions()))
     assert found.status is Status.OPTIMAL
     assert found.solver_version.startswith("agents alone")
 
@@ -133,13 +134,18 @@ def test_agents_in_each_others_way_are_planned_one_after_the_other(agents: int) 
         text += f"region goal{k} = {goal}\nrequire reach{k}: eventually r{k} in goal{k}\n"
     text += "require apart: forall (a, b) in pairs: always separation(a, b) >= 1.5 m\n"
     compiled = compile_mission(loads(text + "minimize effort"))
-    work = LONE.run(Work.of(compiled, HIGHS, EXACT))
+    first = TURNS.run(Work.of(compiled, HIGHS, EXACT))
+    assert isinstance(first, Work)
+    assert first.x is not None
+    work = LONE.run(first)
     assert isinstance(work, Work)
-    joint = Joint(work)
-    assert joint._held(joint.alone) is None
-    x = joint.run()
-    assert x is not None
-    assert compiled.model.objective(x) >= (plain(compiled)[1] or np.inf) - 1e-5
+    assert work.bound < work.value
+    found = NEIGHBOURHOODS.run(work)
+    assert isinstance(found, Work)
+    optimum = plain(compiled)[1]
+    assert optimum is not None
+    assert optimum - 1e-5 <= found.value <= first.value
+    assert found.value <= 1.02 * optimum
 
 
 def test_projection_leaves_out_what_others_are_asked() -> None:
