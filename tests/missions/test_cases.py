@@ -26,7 +26,7 @@ REFUSED = {
     "nan_dynamics": "E0308",
     "quantifier_cube": "E0224",
     "pairs_10000": "E0224",
-    "until_5000": "E0806",
+    "until_5000": "E0802",
     "spec_keyerror": "E0804",
     "signal_in_plan": "E0804",
     "decompose_index": "E0101",
