@@ -79,12 +79,11 @@ def _offered() -> tuple[Strategy, ...]:
 
 
 def _is_small(work: Work) -> bool:
-    """A team's model so small that a plain solve mostly ends before any search has begun."""
-    compiled = work.compiled
-    team = len(compiled.states) > 1 and not compiled.robustness
-    return (
-        team and compiled.model.columns <= tuning.BRIEF.columns and work.can(Capability.TIME_LIMIT)
-    )
+    """A model so small that a plain solve mostly ends, or has a plan, before any search has."""
+    compiled, most = work.compiled, tuning.BRIEF
+    columns = most.columns if len(compiled.states) > 1 else most.lone_columns
+    small = not compiled.robustness and compiled.model.columns <= columns
+    return small and work.can(Capability.TIME_LIMIT)
 
 
 def _try_briefly(work: Work) -> Work | Solution:
