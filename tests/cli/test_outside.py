@@ -12,6 +12,7 @@ from support.command import MISSION
 from support.command import inside as stlc
 from support.outside import glpk_problem, solvers
 
+from stlc.backends.highs_session import SCHEDULER
 from stlc.plan import read_plan
 
 
@@ -76,7 +77,9 @@ def test_every_style_of_solution(kind: str, tmp_path: Path) -> None:
     h = highspy.Highs()
     h.setOptionValue("output_flag", False)
     h.readModel(str(model))
-    h.run()
+    with SCHEDULER.claim(1) as threads:  # the pool is the whole process's
+        h.setOptionValue("threads", threads)
+        h.run()
     for style in range(5):
         h.writeSolution(str(tmp_path / f"highs{style}.sol"), style)
     problem, how = glpk_problem(model), glpk.glp_iocp()

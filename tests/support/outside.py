@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from stlc.backends.external import External, external
+from stlc.backends.highs_session import SCHEDULER
 
 _LIMIT = 120.0  # s
 
@@ -30,7 +31,9 @@ def _highs(model: Path, solution: Path) -> None:
     h.setOptionValue("output_flag", False)
     h.setOptionValue("mip_rel_gap", 1e-7)
     assert h.readModel(str(model)) == highspy.HighsStatus.kOk
-    h.run()
+    with SCHEDULER.claim(1) as threads:  # the pool is the whole process's
+        h.setOptionValue("threads", threads)
+        h.run()
     h.writeSolution(str(solution), 0)
 
 
