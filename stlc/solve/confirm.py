@@ -12,6 +12,9 @@ from stlc.errors import SolverError
 from stlc.milp.model import Model
 from stlc.solve.certify import TOLERANCE, Certified, certify, refusal
 
+OPINION = 60.0
+"""Seconds that a second solver may take at least to confirm an infeasible claim."""
+
 
 class RefutedError(SolverError):
     """A solver claims that there is no point; `x` (n,), certified, was found by `by`."""

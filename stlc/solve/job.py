@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from stlc.solve.confirm import RefutedError
 
 _INTERRUPTED = "interrupted before a plan was found"
-_OPINION = 60.0  # s that a second solver may take at least to confirm an infeasible claim
 
 
 @dataclass(slots=True)
@@ -213,13 +212,13 @@ class Job:
     def _doubt(self, solution: Solution, seconds: dict[str, float]) -> Outcome:
         """Hear a second solver on a claim that there is no plan."""
         from stlc.solve.certify import refusal
-        from stlc.solve.confirm import RefutedError, confirm_infeasible
+        from stlc.solve.confirm import OPINION, RefutedError, confirm_infeasible
 
         if self.incumbent.plan is not None:
             problem = "it claims infeasible, but a verified plan is in hand"
             self._refused = str(refusal(solution, problem))
             return self._stand(seconds)
-        limit = self.settings.time_limit or max(_OPINION, 2 * solution.seconds)
+        limit = self.settings.time_limit or max(OPINION, 2 * solution.seconds)
         asked = replace(self._options_asked(), time_limit=limit)
         try:
             confirmed = confirm_infeasible(self.compiled.model, solution, options=asked)

@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from stlc.mission import Mission
     from stlc.plan import Plan
 
-_OPINION = 60.0  # s that a second solver may take at least to confirm an infeasible claim
-
 
 @dataclass(frozen=True, slots=True)
 class Result:
@@ -139,14 +137,14 @@ class MissionRace:
     def _doubt(self, result: Race, winner: Lap) -> Result:
         """Hear a second solver on the winner's claim that there is no plan."""
         from stlc.solve.certify import refusal
-        from stlc.solve.confirm import RefutedError, confirm_infeasible
+        from stlc.solve.confirm import OPINION, RefutedError, confirm_infeasible
 
         assert winner.certified is not None
         claim, model = winner.certified.claim, self.compiled[winner.name].model
         if self._best() is not None:
             problem = "it claims infeasible, but a verified plan is in hand"
             return self._stand(result, str(refusal(claim, problem)))
-        options = SolveOptions(time_limit=max(_OPINION, 2 * winner.seconds))
+        options = SolveOptions(time_limit=max(OPINION, 2 * winner.seconds))
         try:
             word = confirm_infeasible(model, claim, options=options)
         except RefutedError as error:
