@@ -16,24 +16,23 @@ from stlc.milp.model import Model
 
 
 class Scheduler:
-    """HiGHS keeps one thread pool a process: it may only be resized while nothing is solved."""
+    """HiGHS keeps one thread pool a process: it may only be resized while nothing is solved.
+
+    Anybody in the process may have solved with another size since (PuLP, cvxpy, the user's own
+    highspy), so that the size of an idle pool is never taken as known.
+    """
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._active = 0
-        self._size = 0  # not known yet
-
-    @property
-    def size(self) -> int:
-        """Of the pool as it is: what every solve has to ask for."""
-        return self._size or 1
+        self._size = 1
 
     @contextmanager
-    def claim(self, threads: int) -> Iterator[int]:
+    def claim(self, threads: int = 1) -> Iterator[int]:
         """Yield the size of the pool: `threads`, unless a solve under way holds another."""
         with self._lock:
-            if threads != self._size and self._active == 0:
-                _highspy().Highs.resetGlobalScheduler(True)
+            if self._active == 0:
+                _highspy().Highs.resetGlobalScheduler(True)  # takes less than a microsecond
                 self._size = threads
             size = self._size
             self._active += 1

@@ -95,6 +95,13 @@ class DiveSearch:
 
     def run(self, most: int, references: Iterator[Floats]) -> tuple[Floats | None, int]:
         """Search; the point and the number of LPs. `references` are for after a short dive."""
+        from stlc.backends.highs_session import SCHEDULER
+
+        with SCHEDULER.claim() as threads:
+            self.lp.setOptionValue("threads", threads)
+            return self._run(most, references)
+
+    def _run(self, most: int, references: Iterator[Floats]) -> tuple[Floats | None, int]:
         if not self._solve():
             return None, self.lps
         limit = max(tuning.DIVE.first_limit, tuning.DIVE.per_choice * len(self.groups))
@@ -272,11 +279,10 @@ def _load(model: Model, rho: int, target: float) -> Any:
     """The relaxation without costs, rho fixed, ready for warm dual simplex."""
     import highspy
 
-    from stlc.backends.highs_session import SCHEDULER, new_highs
+    from stlc.backends.highs_session import new_highs
 
     lp, A = new_highs(), model.A
-    for key, value in (("threads", SCHEDULER.size), ("presolve", "off")):
-        lp.setOptionValue(key, value)
+    lp.setOptionValue("presolve", "off")
     lower, upper = model.col_lower.copy(), model.col_upper.copy()
     lower[rho] = upper[rho] = target
     lp.passModel(

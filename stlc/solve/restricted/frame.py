@@ -228,7 +228,7 @@ def _solved(model: Model, seconds: float) -> Any:
         model.row_lower, model.row_upper, A.indptr.astype(np.int32), A.indices.astype(np.int32),
         A.data, np.zeros(model.columns, np.int32),
     )  # fmt: skip
-    with SCHEDULER.claim(SCHEDULER.size) as threads:
+    with SCHEDULER.claim() as threads:
         h.setOptionValue("threads", threads)
         h.run()
     return h
