@@ -32,10 +32,13 @@ def _mip(model: Model) -> object:
 
 
 def _pulp(model: Model) -> object:
-    from stlc.backends.pulp_model import FileProblem
+    from stlc.backends.external import _write
+    from stlc.backends.templates import Files
 
     with tempfile.TemporaryDirectory() as folder:
-        return FileProblem(model).writeMPS(f"{folder}/model.mps", rename=1)
+        files = Files.inside(Path(folder))
+        _write(model, files, SolveOptions())
+        return files.model.stat().st_size
 
 
 def _cvxpy(model: Model) -> object:
@@ -64,7 +67,9 @@ def _external(model: Model) -> object:
     from stlc.backends.templates import Files
 
     with tempfile.TemporaryDirectory() as folder:
-        return _write(model, Files.inside(Path(folder)), SolveOptions())
+        files = Files.inside(Path(folder))
+        _write(model, files, SolveOptions())
+        return files.model.stat().st_size
 
 
 HANDOVERS: dict[str, Callable[[Model], object]] = {

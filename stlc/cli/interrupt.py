@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import _thread
 import os
 import signal
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from types import FrameType
 from typing import NoReturn
 
 from stlc.files import clear_scratch
 
 INTERRUPTED = 130
 _WATCHED = 0.5  # s since the last look at the flag: then somebody waits for it
+_LATER = 0.01  # s until a signal that came at a lock is sent again: locks are taken in microseconds
+_LOCKING = {"__enter__", "__exit__", "_acquire_restore", "_release_save"}
+_IMPORTS = "<frozen importlib._bootstrap>"
 _SIGNALS = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
 )
@@ -22,26 +28,55 @@ _SIGNALS = tuple(
 
 class _Asker:
     """The handler. On the first signal it raises KeyboardInterrupt where nobody looks at the flag
-    (reading, compiling); the second ends the process at once: an exception more, thrown while the
-    first unwinds, would break locks in the midst of their own code."""
+    (reading, compiling), though never in the midst of taking or leaving a lock; the second ends
+    the process at once: an exception more, thrown while the first unwinds, would break locks."""
 
     def __init__(self) -> None:
         self.asked = False
         self._looked = -_WATCHED
+        self._late = False  # the signal is the first one again, by our own hand
+        self._hears = signal.getsignal(signal.SIGINT) is not signal.SIG_IGN
 
-    def __call__(self, number: int, frame: object) -> None:
-        if self.asked:
+    def __call__(self, number: int, frame: FrameType | None) -> None:
+        if self.asked and not self._late:
             with suppress(OSError):
                 os.write(2, b"\nerror: interrupted again: ended at once\n")
             end_at_once(INTERRUPTED)
-        self.asked = True
-        if time.monotonic() - self._looked > _WATCHED:
-            raise KeyboardInterrupt
+        self.asked, self._late = True, False
+        if time.monotonic() - self._looked <= _WATCHED:
+            return
+        if _at_a_lock(frame):
+            _thread.start_new_thread(self._again, (number,))
+            return
+        raise KeyboardInterrupt
+
+    def _again(self, number: int) -> None:
+        """Send the signal once more, from a thread of its own."""
+        time.sleep(_LATER)
+        self._late = True
+        if hasattr(signal, "pthread_kill"):
+            signal.pthread_kill(threading.main_thread().ident or 0, number)
+        else:
+            _thread.interrupt_main(signal.Signals(number))
 
     def look(self) -> bool:
         self._looked = time.monotonic()
-        signal.signal(signal.SIGINT, self)  # CBC puts its own, deaf one in its place
+        if self._hears:
+            signal.signal(signal.SIGINT, self)  # CBC puts its own, deaf one in its place
         return self.asked
+
+
+def _at_a_lock(frame: FrameType | None) -> bool:
+    """Whether Python code that takes or leaves a lock was interrupted.
+
+    An exception there would leave the lock taken for ever, or have the `with` around it release a
+    lock that it hasn't: `threading.Condition`, the base of events, queues and thread starts, takes
+    its lock again in `_acquire_restore` after it has waited; imports have locks in Python too.
+    """
+    if frame is None:
+        return False
+    code = frame.f_code
+    return code.co_name in _LOCKING or code.co_filename == _IMPORTS
 
 
 @contextmanager

@@ -1,9 +1,11 @@
 """Commands of solvers that end badly: said, and never taken for a limit."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from stlc.backends import pulp_cbc
 from stlc.backends.base import SolveOptions, Status
 from stlc.backends.conformance_models import knapsack
 from stlc.backends.external import external
@@ -27,3 +29,10 @@ def test_a_solver_that_we_end_was_not_killed(tmp_path: Path) -> None:
     options = _command(tmp_path, "sleep 60")
     stopped = SolveOptions(extra=options.extra, should_stop=lambda: True)
     assert external("").solve(knapsack(), stopped).status is Status.NO_SOLUTION
+
+
+def test_a_killed_cbc_of_pulp_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    options = _command(tmp_path, "kill -KILL $$")
+    monkeypatch.setattr(pulp_cbc, "bundled_cbc", lambda: str(tmp_path / "solver.sh"))
+    with pytest.raises(SolverError, match=r"solver.sh was killed by SIGKILL"):
+        pulp_cbc.PulpCbc().solve(knapsack(), replace(options, extra={}))

@@ -44,6 +44,11 @@ require other: eventually[1, 3] a in right
 minimize effort
 """
 
+_CODE = (
+    "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+    "from stlc.cli import main; main()"
+)
+
 _LONG = """step 1 s
 horizon 8
 workspace box [0, 8] x [0, 8]
@@ -69,8 +74,8 @@ def long_mission(folder: Path, steps: int = 8) -> Path:
 
 
 def command(*words: object) -> list[str]:
-    """`stlc WORDS`."""
-    return [sys.executable, "-c", "from stlc.cli import main; main()", *map(str, words)]
+    """`stlc WORDS`, which hears Ctrl-C though the tests may run in a shell's background."""
+    return [sys.executable, "-c", _CODE, *map(str, words)]
 
 
 def stlc(
