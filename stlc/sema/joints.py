@@ -1,7 +1,7 @@
 """Obstacles that touch, kept out of by one agent at the same time, leave no way between them.
 
 `a outside p and a outside q` holds on a common border of p and q. Where both must hold at a step,
-so must `a outside` each plug over a contact of the two (`seams.plugs_between`). A plug lies within
+so must `a outside` each plug over a contact of the two (`junctions.py`). A plug lies within
 p and q, so it forbids nothing but the seam; a contact in one point takes a square of 2 mm. Where
 the two move differently, one plug goes with p over what q covers all the time until the next step,
 and one with q: together they cover a contact no shorter than what one moves past the other. Two
@@ -11,9 +11,8 @@ obstacles count together where a conjunction demands both: that of all requireme
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import combinations
 from math import inf
 
 import numpy as np
@@ -22,15 +21,17 @@ from stlc.ir.nodes import Always, And, Eventually, Implies, Node, Or, Release, U
 from stlc.ir.requirement import Requirement
 from stlc.ir.rewrite import with_children
 from stlc.places import Sweep
+from stlc.sema.junctions import meeting, plugs_between, touching
 from stlc.sema.members import point
 from stlc.sema.membership import keep
 from stlc.sema.scope import Scope
-from stlc.sema.seams import plugs_between
 from stlc.sema.tracks import lasting
 from stlc.sema.values import Place, Radio
 from stlc.source import Span
 
 Sweeps = tuple[Sweep, ...]
+Window = tuple[float, float]
+_Key = tuple[str, int, bool]  # agent, shape, swept
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,12 +53,11 @@ def joined(requirements: Sequence[Requirement], scope: Scope) -> list[Requiremen
     """The requirements, with the seams between touching obstacles closed."""
     joints = _Joints(scope, dict(_known(scope)))
     found = [replace(r, formula=joints.closed(r.formula)) for r in requirements]
-    for k, item in enumerate(found):
-        before = [a for r in found[:k] for a in joints.avoided(r.formula)]
-        more = joints.between([before, list(joints.avoided(item.formula))])
+    seams = joints.between([joints.avoided(r.formula) for r in found])
+    for k, more in enumerate(seams):
         if more:
-            formula = And((item.formula, *more), span=item.formula.span)
-            found[k] = replace(item, formula=formula)
+            formula = found[k].formula
+            found[k] = replace(found[k], formula=And((formula, *more), span=formula.span))
     return found
 
 
@@ -73,12 +73,25 @@ def _known(scope: Scope) -> Iterator[tuple[Node, _Avoided]]:
                 yield node, _Avoided(subject, place, key[4], node.span)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Kept:
+    """What is avoided (its own window aside), and the windows of steps, merged."""
+
+    avoided: _Avoided
+    windows: tuple[Window, ...]
+
+    @property
+    def shape(self) -> int:
+        return id(self.avoided.place.shape)
+
+
 @dataclass(slots=True)
 class _Joints:
     scope: Scope
     known: dict[Node, _Avoided]
     done: dict[Node, Node] = field(default_factory=dict)
-    plugs: dict[tuple[int, int, bool], list[Sweeps]] = field(default_factory=dict)
+    plugs: dict[tuple[tuple[int, ...], bool], list[Sweeps]] = field(default_factory=dict)
+    neighbours: dict[int, frozenset[int]] = field(default_factory=dict)
 
     def closed(self, node: Node) -> Node:
         """The formula with plugs in every conjunction that demands two touching places."""
@@ -92,7 +105,7 @@ class _Joints:
         match node:
             case And(args=args):
                 parts = [self.closed(a) for a in args]
-                more = self.between([list(self.avoided(p)) for p in parts])
+                more = [n for seam in self.between(map(self.avoided, parts)) for n in seam]
                 return replace(node, args=(*parts, *more)) if more else with_children(node, parts)
             case Or() | Always() | Eventually() | Until() | Release():
                 return with_children(node, [self.closed(c) for c in node.children])
@@ -112,54 +125,143 @@ class _Joints:
             for found in self.avoided(node.arg):
                 yield found.later(node.start, end)
 
-    def between(self, groups: Sequence[Sequence[_Avoided]]) -> list[Node]:
-        """Conditions on the seams of places from different groups."""
-        found: dict[Node, None] = {}
-        for one, other in combinations(groups, 2):
-            for a in one:
-                for b in other:
-                    node = self._seam(a, b)
-                    if node is not None:
-                        found[node] = None
-        return list(found)
+    def between(self, groups: Iterable[Iterable[_Avoided]]) -> Iterator[list[Node]]:
+        """For each group, conditions on the seams of its places with those of groups before it."""
+        before: dict[_Key, _Kept] = {}
+        for group in groups:
+            own: dict[_Key, _Kept] = {}
+            for avoided in group:
+                _add(own, avoided)
+            found: dict[Node, None] = {}
+            for kept in own.values() if before else ():
+                for nodes in self._seams(kept, before, own):
+                    found |= dict.fromkeys(nodes)
+            yield list(found)
+            for kept in own.values():
+                _add(before, kept.avoided, kept.windows)
 
-    def _seam(self, a: _Avoided, b: _Avoided) -> Node | None:
-        start, end = max(a.start, b.start), min(a.end, b.end)
-        if a.agent != b.agent or a.place.shape is b.place.shape or start > end:
-            return None
-        swept = a.swept and b.swept
-        plugs = self._plugs(a.place, b.place, swept)
+    def _seams(
+        self, a: _Kept, before: Mapping[_Key, _Kept], own: Mapping[_Key, _Kept]
+    ) -> Iterator[list[Node]]:
+        """Conditions on what a place has in common with one before it, and a third of any group."""
+        near = self._near()
+        for b in _kept(a, near[a.shape], before):
+            yield self._conditions((a, b))
+            thirds = near[a.shape] & near[b.shape]
+            later = [c for c in _kept(a, thirds, before) if id(c) > id(b)]
+            for c in (*later, *_kept(a, thirds, own)):
+                yield self._conditions((a, b, c))
+
+    def _near(self) -> Mapping[int, frozenset[int]]:
+        """For each shape those whose boxes it touches at any time."""
+        if not self.neighbours:
+            shapes = {id(k.place.shape): k.place for k in self.known.values()}
+            self.neighbours.update(touching({key: _box(p) for key, p in shapes.items()}))
+        return self.neighbours
+
+    def _conditions(self, kept: Sequence[_Kept]) -> list[Node]:
+        """Keep out of the plugs between places, in the windows that all have in common."""
+        windows = kept[0].windows
+        for other in kept[1:]:
+            windows = _common(windows, other.windows)
+        plugs = self._plugs(kept) if windows else []
         if not plugs:
-            return None
-        span = b.span or a.span
+            return []
+        first, last = kept[0].avoided, kept[1].avoided
+        span = first.span or last.span
         assert span is not None, "a condition of the file has its place in it"
-        where = point(a.agent, span)
+        where, swept = point(first.agent, span), all(k.avoided.swept for k in kept)
         parts = tuple(keep(where, sweeps, False, swept, self.scope, span) for sweeps in plugs)
         node = parts[0] if len(parts) == 1 else And(parts, span=span)
-        if start == end == 0.0:
-            return node
-        return Always(node, int(start), None if end == inf else int(end), span=span)
+        return [_within(node, *window) for window in windows]
 
-    def _plugs(self, a: Place, b: Place, swept: bool) -> list[Sweeps]:
-        key = (id(a.shape), id(b.shape), swept)
+    def _plugs(self, kept: Sequence[_Kept]) -> list[Sweeps]:
+        swept = all(k.avoided.swept for k in kept)
+        key = (tuple(sorted(k.shape for k in kept)), swept)
         if key not in self.plugs:
-            self.plugs[key] = _plugs(a, b, swept)
+            places = [k.avoided.place for k in kept]
+            two = len(places) == 2
+            self.plugs[key] = _plugs(places[0], places[1], swept) if two else _middle(places, swept)
         return self.plugs[key]
+
+
+def _within(node: Node, start: float, end: float) -> Node:
+    """A node at the steps of a window."""
+    if start == end == 0.0:
+        return node
+    return Always(node, int(start), None if end == inf else int(end), span=node.span)
+
+
+def _add(kept: dict[_Key, _Kept], avoided: _Avoided, windows: Sequence[Window] = ()) -> None:
+    """Count in what is avoided, in its own window or several."""
+    key = (avoided.agent.name, id(avoided.place.shape), avoided.swept)
+    more = windows or [(avoided.start, avoided.end)]
+    known = kept.get(key)
+    kept[key] = _Kept(avoided, _merged([*(known.windows if known else ()), *more]))
+
+
+def _merged(windows: Sequence[Window]) -> tuple[Window, ...]:
+    """Windows of steps in order, those that overlap or follow each other as one."""
+    found: list[Window] = []
+    for start, end in sorted(windows):
+        if found and start <= found[-1][1] + 1.0:
+            found[-1] = (found[-1][0], max(end, found[-1][1]))
+        else:
+            found.append((start, end))
+    return tuple(found)
+
+
+def _common(one: Sequence[Window], other: Sequence[Window]) -> tuple[Window, ...]:
+    """The steps in both of two merged lists."""
+    both = ((max(a[0], b[0]), min(a[1], b[1])) for a in one for b in other)
+    return tuple((start, end) for start, end in both if start <= end)
+
+
+def _kept(a: _Kept, shapes: Iterable[int], among: Mapping[_Key, _Kept]) -> Iterator[_Kept]:
+    """What the same agent keeps out of, of some shapes."""
+    for shape in shapes:
+        for swept in (False, True):
+            found = among.get((a.avoided.agent.name, shape, swept))
+            if found is not None:
+                yield found
+
+
+def _box(place: Place) -> tuple[float, float, float, float]:
+    """Least and greatest coordinates of a place over all times [m]."""
+    pieces = [p.vertices for frame in place.barriers for p in frame]
+    for sweep in place.sweeps:
+        pieces += [p.vertices + by for p in sweep.pieces for by in (np.zeros(2), sweep.move)]
+    corners = np.vstack(pieces)
+    (x0, y0), (x1, y1) = corners.min(axis=0), corners.max(axis=0)
+    return float(x0), float(y0), float(x1), float(y1)
+
+
+def _steps(places: Sequence[Place], swept: bool) -> Iterator[list[Sweep]]:
+    """What to keep out of at each step, the last one staying."""
+    tracks = [p.sweeps if swept else tuple(Sweep(pieces) for pieces in p.barriers) for p in places]
+    for t in range(max(map(len, tracks))):
+        yield [track[min(t, len(track) - 1)] for track in tracks]
 
 
 def _plugs(a: Place, b: Place, swept: bool) -> list[Sweeps]:
     """Plugs at each step, in the frame of either where the two move differently until the next."""
-    one, other = (
-        p.sweeps if swept else tuple(Sweep(pieces) for pieces in p.barriers) for p in (a, b)
-    )
     found = []
-    for t in range(max(len(one), len(other))):
-        x, y = one[min(t, len(one) - 1)], other[min(t, len(other) - 1)]
+    for x, y in _steps((a, b), swept):
         if np.abs(np.subtract(x.move, y.move)).max() <= 1e-9:
             found.append((Sweep(plugs_between(x.pieces, y.pieces), x.move), Sweep(())))
         else:
             found.append((_carried(x, y), _carried(y, x)))
     return [sweeps for sweeps in zip(*found, strict=True) if any(s.pieces for s in sweeps)]
+
+
+def _middle(places: Sequence[Place], swept: bool) -> list[Sweeps]:
+    """Plugs where three places meet in a point, at the steps at which they move alike."""
+    found = []
+    for sweeps in _steps(places, swept):
+        moves = np.array([s.move for s in sweeps])
+        plugs = meeting([s.pieces for s in sweeps]) if np.ptp(moves, axis=0).max() <= 1e-9 else ()
+        found.append(Sweep(plugs, sweeps[0].move))
+    return [tuple(found)] if any(s.pieces for s in found) else []
 
 
 def _carried(one: Sweep, other: Sweep) -> Sweep:

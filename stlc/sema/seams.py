@@ -28,7 +28,7 @@ import numpy as np
 
 from stlc.mission import Array
 from stlc.places import Polytope
-from stlc.sema.contacts import DEEP, PLUG, TOUCH, Contact, boxes_meet, contact, extent
+from stlc.sema.contacts import DEEP, PLUG, TOUCH, Contact, contact, extent
 from stlc.sema.geometry import (
     Point,
     contains,
@@ -81,17 +81,6 @@ def _joined(grown: list[Polytope]) -> list[Polytope]:
     return plugs
 
 
-def plugs_between(one: Sequence[Polytope], other: Sequence[Polytope]) -> tuple[Polytope, ...]:
-    """Plugs for the contacts of two unions that are both kept out of."""
-    found: list[Polytope] = []
-    for a in one:
-        for b in other:
-            met = contact(a, b) if boxes_meet(a, b) else None
-            if met is not None:
-                found.append(_plug(a, b, met))
-    return tuple(found)
-
-
 # --- contacts ------------------------------------------------------------------------------------
 
 
@@ -120,7 +109,7 @@ def _close(grown: list[Polytope], pair: tuple[int, int], met: Contact) -> list[P
             if piece is not None:
                 grown[pair[own]] = piece
                 return []
-    return [_plug(grown[pair[0]], grown[pair[1]], met)]
+    return [plug_over(grown[pair[0]], grown[pair[1]], met)]
 
 
 def _over(piece: Polytope, face: int, other: Polytope) -> Polytope | None:
@@ -187,7 +176,7 @@ def _point(place: Array) -> Point:
     return float(place[0]), float(place[1])
 
 
-def _plug(a: Polytope, b: Polytope, met: Contact) -> Polytope:
+def plug_over(a: Polytope, b: Polytope, met: Contact) -> Polytope:
     """A quadrilateral about a contact, within both pieces; a square about a point."""
     middle = (met.start + met.end) / 2.0
     if met.length <= PLUG:

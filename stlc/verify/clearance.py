@@ -60,6 +60,11 @@ def of_step(chain: Chain, t: int, stay: Stay, out: Out) -> tuple[float, float]:
     return _clear(times, places - stay.start - times[:, None] * stay.move, out)
 
 
+def of_place(place: Array, out: Out, stay: Stay) -> float:
+    """Distance of a place (2,) at rest from what doesn't move, or minus its depth [m]."""
+    return _clear(np.array([0.0, 1.0]), np.tile(place - stay.start, (2, 1)), out)[0]
+
+
 def _nearest(chain: Chain, t: int, stay: Stay) -> tuple[Array, Array]:
     """The part of a step, as times and places relative to a form, that is nearest to it."""
     import shapely

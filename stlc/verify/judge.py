@@ -14,6 +14,7 @@ from stlc.verify.clearance import outside
 from stlc.verify.conditions import Motions
 from stlc.verify.continuous import Extremum, distance, separation
 from stlc.verify.links import CellModel, TrueModel, link_series
+from stlc.verify.lone import lone_samples
 from stlc.verify.motion import motion_violations, norm_notes, residual
 from stlc.verify.objective import objective_violations, term_reports, total
 from stlc.verify.paths import Path, is_known, placed, state_paths
@@ -60,6 +61,7 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
         *workspace_violations(mission, motion),
         *requirement_violations(mission, requirements),
         *passages(mission, chains, bodies),
+        *lone_samples(mission, chains, bodies),
         *(v for rigorous, v in findings if rigorous),
         *objective_violations(plan.solve, objective, terms, mission.sense),
     ]

@@ -13,10 +13,11 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.ir.nodes import Always, And, Motion, Node
+from stlc.ir.nodes import Motion, Node
 from stlc.mission import Mission
 from stlc.verify.chains import Chain
 from stlc.verify.clearance import INSTANTS, SURE, keep_out, kept_out, of_step
+from stlc.verify.demands import demanded
 from stlc.verify.report import Violation
 from stlc.verify.shapes import Array, Bodies, Stay
 from stlc.verify.subject import TOLERANCE
@@ -36,28 +37,14 @@ def passages(mission: Mission, chains: Mapping[str, Chain], bodies: Bodies) -> I
 
 def _avoided(mission: Mission) -> dict[str, list[set[str]]]:
     """For each agent the obstacles that it must keep out of, `swept`, after each step."""
-    found: dict[str, list[set[str]]] = {}
-    for requirement in mission.requirements:
-        for agent, place, start, end in _demands(requirement.formula, 0, 0, mission.horizon):
-            if place in mission.obstacles:
-                steps = found.setdefault(agent, [set() for _ in range(mission.horizon)])
-                for t in range(start, min(end + 1, mission.horizon)):
-                    steps[t].add(place)
-    return found
 
+    def claimed(node: Node) -> tuple[str, str] | None:
+        claim = node.swept
+        if claim is None or claim.motion is not Motion.OUTSIDE or claim.place is None:
+            return None
+        return claim.agent, claim.place
 
-def _demands(node: Node, start: int, end: int, last: int) -> Iterator[tuple[str, str, int, int]]:
-    """(agent, place, first step, last step) of what holds whatever else does."""
-    claim = node.swept
-    if claim is not None:
-        if claim.motion is Motion.OUTSIDE and claim.place is not None:
-            yield claim.agent, claim.place, start, end
-    elif isinstance(node, And):
-        for arg in node.args:
-            yield from _demands(arg, start, end, last)
-    elif isinstance(node, Always):
-        stop = last if node.end is None else end + node.end
-        yield from _demands(node.arg, start + node.start, stop, last)
+    return demanded(mission, claimed, mission.horizon)
 
 
 @dataclass(slots=True, eq=False)
@@ -136,7 +123,7 @@ class _Passages:
         if key not in self.joints:
             near = set()
             for one, other in combinations(group, 2):
-                if _distance(group[one], group[other]) <= TOUCH:
+                if apart(group[one], group[other]) <= TOUCH:
                     near |= {one, other}
             self.joints[key] = sorted(near)
         return self.joints[key]
@@ -165,7 +152,8 @@ def _on_border(at: Array, times: Array, stay: Stay) -> NDArray[np.bool_]:
     return np.asarray(shapely.distance(whole.boundary, points) <= 2.0 * TOUCH)
 
 
-def _distance(one: Stay, other: Stay) -> float:
+def apart(one: Stay, other: Stay) -> float:
+    """Distance of two bodies at the start of a step [m]."""
     import shapely
 
     shapes = (moved(shapely.union_all(list(s.form.parts)), s.start) for s in (one, other))
