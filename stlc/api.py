@@ -22,11 +22,12 @@ if TYPE_CHECKING:
     from stlc.milp.compile import Compiled, CompileOptions
     from stlc.mission import Mission
     from stlc.plan import Plan
+    from stlc.simulate import Simulation
     from stlc.solve.events import Listener
     from stlc.solve.outcome import Outcome, SolveSettings
     from stlc.verify import Report
 
-__all__ = ["check", "compile", "explain", "load", "loads", "solve", "verify"]
+__all__ = ["check", "compile", "explain", "load", "loads", "simulate", "solve", "verify"]
 
 Params = Mapping[str, str | float]
 
@@ -94,6 +95,13 @@ def verify(mission: Mission, plan: Plan) -> Report:
     from stlc.verify import verify as judge
 
     return judge(mission, plan)
+
+
+def simulate(mission: Mission, plan: Plan, *, draws: int = 10_000, seed: int = 0) -> Simulation:
+    """How probable each requirement is; see `stlc.simulate.simulation.simulate`."""
+    from stlc.simulate import simulate as carry_out
+
+    return carry_out(mission, plan, draws=draws, seed=seed)
 
 
 def explain(

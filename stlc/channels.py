@@ -24,6 +24,7 @@ from stlc.radio.costs import CLAMP, CostName, cost_interval, link_cost
 from stlc.radio.gp import ChannelModel
 from stlc.radio.links import LinkBudget
 from stlc.radio.partition import Partition
+from stlc.radio.pathloss import link_distance
 from stlc.radio.predicates import LinkPredicate, quantity_value, threshold_table
 from stlc.radio.predicates import Quantity as RadioQuantity
 from stlc.radio.table import BoundName, LinkEnds, bound_ends, cost_table
@@ -93,7 +94,7 @@ class ChannelTables:
             return pair
         if not all(name in self.mission.agents for name in pair):
             return pair
-        return ("agents", _receiver(channel.model, pair))
+        return ("agents", receiver(channel.model, pair))
 
     def _cost(self, channel: Channel, pair: Pair, bound: Bound) -> Array:
         if channel.has_table(pair) or channel.model is None:
@@ -173,7 +174,7 @@ def link_ends(mission: Mission, channel: Channel, pair: Pair) -> LinkEnds:
     model = channel.model
     heights = (_height(mission, first), _height(mission, second))
     use = heights if model is not None and dimensions(mission, model) == 3 else None
-    return LinkEnds(cells, point, use, None if model is None else _receiver(model, pair))
+    return LinkEnds(cells, point, use, None if model is None else receiver(model, pair))
 
 
 def _speck(position: Array) -> Partition:
@@ -193,7 +194,7 @@ def _height(mission: Mission, name: str) -> float:
     return 0.0 if station is None else station.height
 
 
-def _receiver(model: ChannelModel, pair: Pair) -> str | None:
+def receiver(model: ChannelModel, pair: Pair) -> str | None:
     """The end whose calibration offset applies: the receiver, or else the sender."""
     known = dict(model.offsets)
     return next((name for name in pair[::-1] if name in known), None)
@@ -252,13 +253,18 @@ class LinkValues:
 def true_values(mission: Mission, channel: Channel, pair: Pair, a: Array, b: Array) -> LinkValues:
     """The channel between positions a and b (K, 2) [m] of a pair, without any cells."""
     model, _ = needed(channel)
+    links = true_links(mission, model, pair, a, b)
+    mean, variance = model.predict(links, True, receiver(model, pair))
+    return LinkValues(mean, np.sqrt(variance), link_distance(links))
+
+
+def true_links(mission: Mission, model: ChannelModel, pair: Pair, a: Array, b: Array) -> Array:
+    """The links (K, 4), or (K, 6) where heights count, between positions a and b (K, 2) [m]."""
     ends = [np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)]
     if dimensions(mission, model) == 3:
         levels = [np.full((len(a), 1), _height(mission, name)) for name in pair]
         ends = [np.hstack(both) for both in zip(ends, levels, strict=True)]
-    mean, variance = model.predict(np.hstack(ends), True, _receiver(model, pair))
-    distance = np.linalg.norm(ends[0] - ends[1], axis=1)
-    return LinkValues(mean, np.sqrt(variance), np.asarray(distance, dtype=np.float64))
+    return np.hstack(ends)
 
 
 def true_robustness(channel: Channel, link: Link, values: LinkValues) -> Array:

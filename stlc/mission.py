@@ -103,7 +103,11 @@ class TurnRate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Agent:
-    """One agent. Bounds are (n,) and (m,); state bounds hold at t = 0..T; infinite if absent."""
+    """One agent. Bounds are (n,) and (m,); state bounds hold at t = 0..T; infinite if absent.
+
+    `start_noise` (n,) and `input_noise` (m,) are standard deviations of what a run is off by, at
+    the start and in each step's inputs; None for none. Plans are made without them.
+    """
 
     name: str
     dynamics: Dynamics
@@ -119,6 +123,8 @@ class Agent:
     input_norms: tuple[NormBound, ...] = ()
     turn_rate: TurnRate | None = None
     mass: float = 1.0
+    start_noise: Array | None = None
+    input_noise: Array | None = None
     span: Span | None = None
 
 

@@ -19,6 +19,7 @@ _COMMANDS = {
     "plot": ("plans", "Draw a plan."),
     "read-solution": ("plans", "Turn another solver's answer into a plan."),
     "explain": ("explain", "Name the requirements that conflict."),
+    "simulate": ("simulate", "Carry out a plan many times: how probable is each requirement?"),
     "race": ("race", "Solve with several solvers and encodings at once."),
     "fit": ("fit", "Fit a channel to measurements."),
     "import": ("monitor", "Translate STL files of Breach, RTAMT or FalCAuN."),

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from stlc.mission import Agent, Array, Dynamics, Station, TurnRate
-from stlc.sema import props
+from stlc.sema import noise, props
 from stlc.sema.bounds import Bounds, apply
 from stlc.sema.dynamics import STRUCTURE, dynamics
 from stlc.sema.members import unit_of
@@ -24,7 +24,7 @@ from stlc.syntax import ast
 
 PROPERTIES = (
     "start", "control", "speed", "state", "turn_rate", "mass", "effort_state", "effort_input",
-    "integer",
+    "integer", "start_noise", "control_noise",
 )  # fmt: skip
 MOST_MEMBERS = 10_000
 _KINDS = ("double_integrator", "single_integrator")
@@ -93,6 +93,8 @@ def agent(statement: ast.AgentDecl, name: str, env: Env, scope: Scope) -> Agent:
         state_norms=tuple(bounds.state_norms),
         input_norms=tuple(bounds.input_norms),
         mass=mass,
+        start_noise=noise.of_start(block.get("start_noise"), base, env, scope),
+        input_noise=noise.of_inputs(block.get("control_noise"), base, env, scope),
         span=statement.name.span,
     )
     first = block.get("start")

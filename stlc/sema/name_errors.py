@@ -98,8 +98,9 @@ class UnknownMember(Diagnostic):
 class UnknownProperty(Diagnostic):
     """A block has a property that its kind doesn't know.
 
-    Agents know `start control speed state turn_rate mass effort_state effort_input integer` and
-    the names of their states and inputs; the language guide lists those of every kind.
+    Agents know `start control speed state turn_rate mass effort_state effort_input integer
+    start_noise control_noise` and the names of their states and inputs; the language guide lists
+    those of every kind.
     """
 
     code: ClassVar[str] = "E0207"

@@ -7,6 +7,7 @@ takes the square of its length.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import reduce
 
 import numpy as np
 
@@ -35,10 +36,11 @@ def by_the_clock(cases: Sequence[Node], trace: Trace, scaled: Scaled) -> Array |
     columns = [trace.signal(s) for s in signals]
     length = min((len(column) for column in columns), default=trace.length)
     at = np.minimum(np.arange(length), len(cases) - 1)
-    total = np.array([c.constant for c in predicates], dtype=np.float64)[at]
+    across = (slice(None), None) if trace.many else slice(None)  # the same for every run
+    total = np.array([c.constant for c in predicates], dtype=np.float64)[at][across]
     factors = np.array([[f for _, f in c.terms] for c in predicates], dtype=np.float64)
     for k, column in enumerate(columns):
-        total += factors[at, k] * column[:length]
+        total = total + factors[at, k][across] * column[:length]
     return scaled(total, first.unit)
 
 
@@ -53,4 +55,4 @@ def _joined(first: And | Or, cases: Sequence[Node], trace: Trace, scaled: Scaled
         parts.append(part)
     shortest = min(map(len, parts))
     join = np.minimum if isinstance(first, And) else np.maximum
-    return np.asarray(join.reduce([part[:shortest] for part in parts]))
+    return np.asarray(reduce(join, [part[:shortest] for part in parts]))

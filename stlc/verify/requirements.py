@@ -25,11 +25,12 @@ from stlc.ir.nodes import (
 )
 from stlc.ir.requirement import Requirement
 from stlc.mission import Bound, Mission
+from stlc.plan import Run
 from stlc.verify import clearance
 from stlc.verify.chains import Chain
 from stlc.verify.conditions import Motions
 from stlc.verify.continuous import separation
-from stlc.verify.paths import Path
+from stlc.verify.paths import Path, placed, state_paths
 from stlc.verify.report import RequirementReport, Violation
 from stlc.verify.robustness import Evaluator, unit
 from stlc.verify.samples import Samples
@@ -141,6 +142,14 @@ class SweptOverride:
     def _body(self, swept: Swept) -> Body:
         assert swept.place is not None
         return self._bodies.of(swept.place)
+
+
+def swept_override(mission: Mission, runs: Mapping[str, Run]) -> SweptOverride:
+    """That of the agents' runs."""
+    states = state_paths(mission, runs)
+    motion = placed(mission, states)
+    chains = {name: Chain.of(path) for name, path in motion.items()}
+    return SweptOverride(mission, motion, chains, Motions(states, runs), Bodies(mission))
 
 
 def requirement_violations(

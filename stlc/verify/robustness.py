@@ -179,13 +179,13 @@ def _postorder(
 def _value(node: Node, parts: list[Array], trace: Trace, positive: bool) -> Array:
     match node:
         case Const(value=value):
-            return np.full(trace.length, np.inf if value else -np.inf)
+            return trace.filled(trace.length, np.inf if value else -np.inf)
         case Linear():
             return _linear(node, trace)
         case Link():
             return _link(node, trace, positive)
         case Timed():
-            return _timed(node, parts)
+            return _timed(parts, trace)
         case Always(start=a, end=b):
             return window_min(parts[0], a, b)
         case Eventually(start=a, end=b):
@@ -195,17 +195,17 @@ def _value(node: Node, parts: list[Array], trace: Trace, positive: bool) -> Arra
         case Release(start=a, end=b):
             return -until(-parts[0], -parts[1], a, b)
         case _:
-            return _boolean(node, parts, trace.length)
+            return _boolean(node, parts, trace)
 
 
-def _boolean(node: Node, parts: list[Array], length: int) -> Array:
+def _boolean(node: Node, parts: list[Array], trace: Trace) -> Array:
     match node:
         case Not():
             return -parts[0]
         case And():
-            return minimum(parts, length)
+            return minimum(parts, trace)
         case Or():
-            return -minimum([-p for p in parts], length)
+            return -minimum([-p for p in parts], trace)
         case Implies():
             left, right = _aligned(*parts)
             return np.asarray(np.maximum(-left, right))
@@ -230,15 +230,15 @@ def _lengths(norms: Norms, trace: Trace) -> Array:
         x, y = _aligned(*(_linear(c, trace) for c in components))
         parts.append(coefficient * np.hypot(x, y))
     shortest = min(map(len, parts))
-    return np.asarray(np.sum([part[:shortest] for part in parts], axis=0), dtype=np.float64)
+    return np.asarray(sum(part[:shortest] for part in parts), dtype=np.float64)
 
 
 def _linear(node: Linear | Sum, trace: Trace) -> Array:
     columns = [(trace.signal(signal), coefficient) for signal, coefficient in node.terms]
     length = min((len(column) for column, _ in columns), default=trace.length)
-    total = np.full(length, float(node.constant))
+    total = trace.filled(length, float(node.constant))
     for column, coefficient in columns:
-        total += coefficient * column[:length]
+        total = total + coefficient * column[:length]
     return total
 
 
@@ -248,20 +248,23 @@ def _link(node: Link, trace: Trace, positive: bool) -> Array:
     return trace.link(node, positive)[node.shift :]
 
 
-def _timed(node: Timed, parts: list[Array]) -> Array:
-    judged: list[float] = []
+def _timed(parts: list[Array], trace: Trace) -> Array:
+    """The value of each step's own case, until one can't be judged."""
+    judged: list[Array] = []
     for step in range(max(map(len, parts), default=0)):
         case = parts[min(step, len(parts) - 1)]
         if step >= len(case):
             break
-        judged.append(float(case[step]))
-    return np.asarray(judged, dtype=np.float64)
+        judged.append(case[step])
+    if not judged:
+        return trace.filled(0, 0.0)
+    return np.stack(np.broadcast_arrays(*judged))
 
 
-def minimum(parts: list[Array], length: int) -> Array:
-    """Minimum over the common leading steps; of nothing it is +inf at `length` steps."""
-    shortest = min(map(len, parts), default=length)
-    total = np.full(shortest, np.inf)
+def minimum(parts: list[Array], trace: Trace) -> Array:
+    """Minimum over the common leading steps; of nothing it is +inf at every step."""
+    shortest = min(map(len, parts), default=trace.length)
+    total = trace.filled(shortest, np.inf)
     for part in parts:
-        np.minimum(total, part[:shortest], out=total)
+        total = np.minimum(total, part[:shortest])
     return total

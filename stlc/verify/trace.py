@@ -23,12 +23,21 @@ class Trace:
     predicate at steps 0..length-1, its `shift` left out; None when the run has no radio. What is
     known as an interval is judged by its lower end where the predicate counts positively and by
     its upper end under a negation, so that the robustness of the whole is a lower bound.
+
+    Many runs at once are one more axis, the last: signals (steps, width, runs) and links
+    (steps, runs), with 1 in place of the number of runs where all are alike; then `many` is true
+    and robustness is (L, runs) or (L, 1).
     """
 
     length: int
     signals: Mapping[tuple[str, Role], Array] = field(default_factory=dict)
     link: LinkEvaluator | None = None
+    many: bool = False
 
     def signal(self, signal: Signal) -> Array:
         """Values from step `signal.shift` on. Raises KeyError for an unknown signal."""
         return self.signals[signal.owner, signal.role][signal.shift :, signal.index]
+
+    def filled(self, length: int, value: float) -> Array:
+        """`value` at `length` steps, for whatever number of runs."""
+        return np.full((length, 1) if self.many else length, value)

@@ -13,12 +13,13 @@ Array = NDArray[np.float64]
 def window_min(values: Array, start: int, end: int | None) -> Array:
     """min of values[t + start .. t + end]; `end` None reaches to the last value.
 
-    values (L,); returns (max(L - end, 0),), or (max(L - start, 0),) for an unbounded window.
+    values (L, ..); returns (max(L - end, 0), ..), or (max(L - start, 0), ..) for an unbounded
+    window.
     """
     if end is None:
         return np.minimum.accumulate(values[::-1])[::-1][start:]
     if len(values) <= end:
-        return np.empty(0)
+        return values[:0]
     out, width, wanted = values[start:], 1, end - start + 1
     while 2 * width <= wanted:
         out = np.minimum(out[:-width], out[width:])
@@ -30,7 +31,7 @@ def window_min(values: Array, start: int, end: int | None) -> Array:
 def until(left: Array, right: Array, start: int, end: int | None) -> Array:
     """max over t' in [t+start, t+end] of min(right[t'], min(left[t..t'])): the paper's reading.
 
-    left, right (L,), cut to the shorter one; returns as many steps as `window_min` would.
+    left, right (L, ..), cut to the shorter one; returns as many steps as `window_min` would.
     """
     left, right = left[: len(right)], right[: len(left)]
     held = _until_any(left, right)[start:]
@@ -47,5 +48,5 @@ def _until_any(left: Array, right: Array) -> Array:
     out = np.minimum(left, right)
     steps = range(len(out) - 1, -1, -1)
     for later, step in pairwise(steps):
-        out[step] = min(left[step], max(right[step], out[later]))
+        out[step] = np.minimum(left[step], np.maximum(right[step], out[later]))
     return out

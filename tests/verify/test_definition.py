@@ -125,3 +125,15 @@ def test_long_windows_are_cheap():
     assert low[0] == values[10:100_001].min()
     assert low[-1] == values[len(low) + 9 :].min()
     assert len(until(values, values, 10, 100_000)) == len(low)
+
+
+@given(formulas(until=True, unbounded=True, timed=True), traces, traces)
+def test_many_runs_at_once_are_judged_as_each_alone(formula, one, other):
+    alone = [robustness(formula, make_trace(values)) for values in (one, other)]
+    signals = {
+        key: np.stack([make_trace(values).signals[key] for values in (one, other)], axis=2)
+        for key in make_trace(one).signals
+    }
+    length = len(next(iter(one.values())))
+    both = robustness(formula, Trace(length, signals, many=True))
+    np.testing.assert_array_equal(np.broadcast_to(both, (len(both), 2)), np.stack(alone, axis=1))

@@ -1,0 +1,151 @@
+"""A plan carried out many times over."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.errors import UsageError
+from stlc.ir.nodes import Linear, Link, Node, walk
+from stlc.ir.requirement import Requirement
+from stlc.mission import Mission
+from stlc.plan import Plan
+from stlc.simulate.estimate import Estimate, Simulation, interval
+from stlc.simulate.radio import draw_packets
+from stlc.simulate.runs import Runs, draw_runs, is_noisy
+from stlc.verify.requirements import SweptOverride, swept_override
+from stlc.verify.robustness import TOLERANCE, Evaluator, unit
+from stlc.verify.subject import check_shape
+from stlc.verify.trace import Trace
+
+Array = NDArray[np.float64]
+
+ALL = "all together"
+WORKSPACE = "workspace"
+
+
+def simulate(
+    mission: Mission,
+    plan: Plan,
+    *,
+    draws: int = 10_000,
+    seed: int = 0,
+    confidence: float = 0.95,
+    fading: bool = True,
+) -> Simulation:
+    """The probability of each requirement, jointly over time, and of all of them together.
+
+    In each draw every channel is one draw of its posterior, at the positions of all links and
+    steps together, every link predicate is that of one packet (of many packets' mean, with
+    `fading` false), and agents with noise are off their plan by it. The same seed gives the same
+    draws. `confidence` in (0, 1) is that of the intervals.
+
+    Raises UsageError when the plan doesn't fit the mission, RadioError as the channels do.
+    """
+    check_shape(mission, plan)
+    if draws < 1 or not 0.0 < confidence < 1.0:
+        raise UsageError("a simulation needs at least one draw and a confidence between 0 and 1")
+    rng = np.random.default_rng(seed)
+    runs = draw_runs(mission, plan, draws, rng)
+    formulas = [r.formula for r in mission.requirements]
+    packets = draw_packets(mission, runs, formulas, draws, rng, fading)
+    trace = Trace(mission.horizon + 1, runs.signals, packets.robustness, many=True)
+    evaluator = Evaluator(trace, _certain_motion(mission, swept_override(mission, plan.runs)))
+    values = [evaluator.robustness(formula)[:1] for formula in formulas]
+    judged = list(zip(mission.requirements, values, strict=True))
+    holds = [_holds(value, r.margin) for r, value in judged]
+    found = [_estimate(r, value, draws, confidence) for r, value in judged]
+    for value in _in_workspace(mission, runs):
+        holds.append(_holds(value, 0.0))
+        rule = Requirement(WORKSPACE, Linear((), 0.0, "m"))
+        found.append(_estimate(rule, value, draws, confidence))
+    together = np.ones(1, dtype=bool)
+    for hold in holds:
+        together = together & hold
+    return Simulation(
+        mission.source.name, draws, seed, confidence, tuple(found),
+        _counted(ALL, 0.0, together, draws, confidence), tuple(_notes(mission, formulas, fading)),
+    )  # fmt: skip
+
+
+def _holds(value: Array, margin: float) -> NDArray[np.bool_]:
+    """In which draws a requirement's robustness (1, D) reaches its margin; (0, D): in none."""
+    return value[0] >= margin - TOLERANCE if len(value) else np.zeros(1, dtype=bool)
+
+
+def _estimate(rule: Requirement, value: Array, draws: int, confidence: float) -> Estimate:
+    units = {unit(n) for n in walk(rule.formula) if isinstance(n, Linear | Link)}
+    measured = units.pop() if len(units) == 1 else ""
+    hold = _holds(value, rule.margin)
+    robustness = np.broadcast_to(value[0], draws) if len(value) else None
+    return _counted(rule.name, rule.margin, hold, draws, confidence, robustness, measured)
+
+
+def _counted(
+    name: str,
+    margin: float,
+    hold: NDArray[np.bool_],
+    draws: int,
+    confidence: float,
+    robustness: Array | None = None,
+    measured: str = "",
+) -> Estimate:
+    """`hold` (1,) is what is the same in every draw."""
+    certain = len(hold) == 1 < draws
+    count = int(np.broadcast_to(hold, draws).sum())
+    low, high = interval(count, draws, confidence)
+    if certain:
+        low = high = float(hold[0])
+    return Estimate(name, margin, count, draws, low, high, certain, robustness, measured)
+
+
+def _certain_motion(mission: Mission, motion: SweptOverride) -> Callable[[Node], Array | None]:
+    """Judges `swept` conditions in continuous time where all who take part move as planned.
+
+    Others are judged by what is sufficient for them at the steps, so that probabilities are too
+    low rather than too high.
+    """
+    shaken = {name for name, agent in mission.agents.items() if is_noisy(agent)}
+
+    def override(node: Node) -> Array | None:
+        if node.swept is None or _movers(node) & shaken:
+            return None
+        value = motion(node)
+        return None if value is None else value[:, None]
+
+    return override
+
+
+def _movers(node: Node) -> set[str]:
+    """Agents that a node is about."""
+    parts = (n for n in walk(node) if isinstance(n, Linear))
+    return {signal.owner for part in parts for signal, _ in part.terms}
+
+
+def _in_workspace(mission: Mission, runs: Runs) -> Iterator[Array]:
+    """Least distance (1, D) [m] to the workspace's border at the steps, where noise may carry
+    agents across it."""
+    space = mission.workspace
+    noisy = [name for name, agent in mission.agents.items() if is_noisy(agent)]
+    placed = [runs.positions[name] for name in noisy if name in runs.positions]
+    if space is None or not placed:
+        return
+    slacks = [
+        (space.offsets[:, None] - np.einsum("kp,tpd->tkd", space.normals, place)).min(axis=(0, 1))
+        for place in placed
+    ]
+    yield np.min(slacks, axis=0)[None, :]
+
+
+def _notes(mission: Mission, formulas: list[Node], fading: bool) -> Iterator[str]:
+    nodes = [node for formula in formulas for node in walk(formula)]
+    if any(isinstance(n, Link) for n in nodes):
+        what = "of one packet a step and direction" if fading else "of the mean of many packets"
+        yield f"links are {what}, channels drawn jointly over pairs and steps"
+    shaken = {name for name, agent in mission.agents.items() if is_noisy(agent)}
+    if shaken:
+        yield f"noise, and the plan as it stands, without feedback: {', '.join(sorted(shaken))}"
+    if any(n.swept is not None and _movers(n) & shaken for n in nodes):
+        yield "`swept` of noisy agents is judged by what is sufficient: it holds at least as often"
