@@ -50,12 +50,19 @@ class Thresholds:
     high: Array
 
 
+TableMemo = dict[tuple[object, ...], object]
+"""Tables by what they depend on, for missions with the same channels and stations."""
+
+
 @dataclass(slots=True, eq=False)
 class ChannelTables:
-    """Tables of one mission, each made once. Not safe for use by two threads."""
+    """Tables of one mission, each made once. Not safe for use by two threads.
+
+    `memo` may be shared by missions that differ in nothing but agents and requirements.
+    """
 
     mission: Mission
-    _memo: dict[tuple[object, ...], object] = field(default_factory=dict)
+    memo: TableMemo = field(default_factory=dict)
 
     def cost(self, channel: str, pair: Pair, bound: Bound | None = None) -> Array:
         """Link cost of a pair over cells, by the channel's cost bound unless another is given.
@@ -66,9 +73,9 @@ class ChannelTables:
         found = self.mission.channels[channel]
         chosen = bound or found.cost_bound
         key = ("cost", channel, self._alike(found, pair), chosen)
-        if key not in self._memo:
-            self._memo[key] = self._cost(found, pair, chosen)
-        table = self._memo[key]
+        if key not in self.memo:
+            self.memo[key] = self._cost(found, pair, chosen)
+        table = self.memo[key]
         assert isinstance(table, np.ndarray)
         return table
 
@@ -79,14 +86,19 @@ class ChannelTables:
         pair = (link.sender, link.receiver)
         what = (link.quantity, link.relation, link.threshold, link.probability)
         chosen = bound or channel.predicate_bound
-        key = ("link", link.channel, self._alike(channel, pair), *what, chosen)
-        if key not in self._memo:
-            self._memo[key] = self._thresholds(channel, link, pair, chosen)
-        found = self._memo[key]
+        key = ("link", link.channel, self._alike(channel, pair), *what, chosen, self._beyond)
+        if key not in self.memo:
+            self.memo[key] = self._thresholds(channel, link, pair, chosen)
+        found = self.memo[key]
         assert isinstance(found, Thresholds)
         if link.factor == 1.0:
             return found
         return Thresholds(link.factor * found.low, link.factor * found.high)
+
+    @property
+    def _beyond(self) -> bool:
+        """Whether tables must be tight beyond the threshold too: robustness is maximised."""
+        return any(t.kind is TermKind.ROBUSTNESS for t in self.mission.objective)
 
     def _alike(self, channel: Channel, pair: Pair) -> tuple[object, ...]:
         """Two pairs of agents share a model's table, unless offsets or heights tell them apart."""
@@ -116,9 +128,8 @@ class ChannelTables:
             return Thresholds(link.threshold - high, link.threshold - low)
         model, budget = needed(channel)
         ends = link_ends(self.mission, channel, pair)
-        wanted = any(t.kind is TermKind.ROBUSTNESS for t in self.mission.objective)
         table = threshold_table(
-            model, ends, predicate(link, budget), budget, _BOUNDS[bound], wanted
+            model, ends, predicate(link, budget), budget, _BOUNDS[bound], self._beyond
         )
         sides = (table.low.matrix(), table.high.matrix())
         return Thresholds(*(_shaped(self.mission, side, pair) for side in sides))

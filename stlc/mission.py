@@ -107,6 +107,9 @@ class Agent:
 
     `start_noise` (n,) and `input_noise` (m,) are standard deviations of what a run is off by, at
     the start and in each step's inputs; None for none. Plans are made without them.
+
+    `starts` are ends (n,) between which it may start in place of `start`: no file says so,
+    `explain` asks what would be if the start were free.
     """
 
     name: str
@@ -126,6 +129,7 @@ class Agent:
     start_noise: Array | None = None
     input_noise: Array | None = None
     span: Span | None = None
+    starts: tuple[Array, Array] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -54,7 +54,10 @@ MAY: Mapping[str, set[str]] = {
         "grids", "ir", "radio", "mission", "channels", "scales", "analysis", "passes", "milp",
         "backends", "plan", "verify", "trajectories",
     },
-    "explain": {"ir", "mission", "backends", "solve"},
+    "explain": {
+        "syntax", "ir", "mission", "channels", "analysis", "passes", "milp", "backends", "verify",
+        "trajectories", "solve",
+    },
     "simulate": {"ir", "radio", "mission", "channels", "plan", "verify"},
     "plot": {"ir", "radio", "mission", "channels", "plan", "verify"},
     "api": {"syntax", "sema", "mission", "milp", "plan", "verify", "solve", "simulate", "explain"},

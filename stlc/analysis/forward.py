@@ -61,8 +61,9 @@ def start_box(agent: Agent, mission: Mission) -> Box:
     for bound in agent.input_norms:
         _clip(box.u_lower, box.u_upper, bound)
     _clip_workspace(box, mission.workspace)
-    box.x_lower[0] = np.maximum(box.x_lower[0], agent.start)
-    box.x_upper[0] = np.minimum(box.x_upper[0], agent.start)
+    first, last = agent.starts or (agent.start, agent.start)
+    box.x_lower[0] = np.maximum(box.x_lower[0], first)
+    box.x_upper[0] = np.minimum(box.x_upper[0], last)
     _forward(box)
     assert box.x_lower.shape == (steps + 1, n)
     return box
@@ -98,6 +99,7 @@ def _forward(box: Box) -> None:
     power = np.eye(len(dynamics.A))
     centre = box.agent.start.astype(float)
     low = high = np.zeros(len(centre))
+    spread = [end - centre for end in box.agent.starts or (centre, centre)]
     with np.errstate(over="ignore", invalid="ignore"):
         for step in range(len(box.u_lower)):
             gain = power @ dynamics.B
@@ -107,9 +109,11 @@ def _forward(box: Box) -> None:
             high = high + ends[1] + power @ dynamics.drift
             power = dynamics.A @ power
             centre = dynamics.A @ centre
+            about = image(power, *spread)
             size = np.abs(centre) + finite_size(low) + finite_size(high)
             slack = SLACK + ROUNDING * (step + 1) * size
-            _meet(box, step + 1, centre + low - slack, centre + high + slack)
+            ends = centre + low + about[0] - slack, centre + high + about[1] + slack
+            _meet(box, step + 1, *ends)
             if (box.x_lower[step + 1] > box.x_upper[step + 1]).any():
                 return  # `propagate` says so
 

@@ -18,7 +18,7 @@ from stlc.ir.nodes import Link, Node, Not
 from stlc.mission import Bound, Channel, Mission
 
 if TYPE_CHECKING:
-    from stlc.channels import ChannelTables
+    from stlc.channels import ChannelTables, TableMemo
 
 
 @dataclass(slots=True)
@@ -26,17 +26,18 @@ class LinkTables:
     """A mission's channel tables as the encoders want them: by polarity, and within reach.
 
     `hopeful`: what may hold somewhere in each cell pair, whatever bound the channel names, in place
-    of what its cells stand for.
+    of what its cells stand for. `memo`: see ChannelTables.
     """
 
     mission: Mission
     hopeful: bool = False
+    memo: TableMemo | None = None
     channels: ChannelTables = field(init=False)
 
     def __post_init__(self) -> None:
         from stlc.channels import ChannelTables
 
-        self.channels = ChannelTables(self.mission)
+        self.channels = ChannelTables(self.mission, {} if self.memo is None else self.memo)
 
     def cost(self, channel: Channel, pair: tuple[str, str]) -> Floats:
         """Link cost (n, n), or (n,) towards a station."""

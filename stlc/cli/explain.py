@@ -1,18 +1,21 @@
-"""`stlc explain`: which lines of the file conflict."""
+"""`stlc explain`: which parts of the file conflict, and why."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 import click
 
+from stlc.cli.answer import answer
 from stlc.cli.common import complain, load, mission_options, show_diagnostics
 from stlc.diagnostics import Diagnostic, Note
 from stlc.errors import InfeasibleError, NoPlanError
 
 if TYPE_CHECKING:
     from stlc.explain.conflict import Conflict
+    from stlc.explain.oracle import Oracle
     from stlc.mission import Bound, Mission
 
 _GRACE = 0.4  # s that a solver may overrun its limit, or Ctrl-C, before it is left behind
@@ -21,10 +24,10 @@ _GRACE = 0.4  # s that a solver may overrun its limit, or Ctrl-C, before it is l
 class ConflictingClauses(Diagnostic):
     """No plan exists because these clauses cannot hold together.
 
-    Dynamics, bounds and the workspace always hold; of the requirements, those shown cannot all be
-    satisfied by any run. Where the set is minimal, leaving out any one of them makes the rest
-    satisfiable: relax one (a later deadline, a larger region, a lower threshold), or the bounds of
-    the agents it speaks of.
+    Dynamics always hold. Of the requirements, and of the bounds, starts, workspace and partitions
+    named, those shown cannot all be satisfied by any run. Where the set is minimal, leaving out any
+    one of them makes the rest satisfiable: relax one (a later deadline, a larger region, a lower
+    threshold, a wider bound). `stlc explain FILE --fix` offers such changes.
     """
 
     code: ClassVar[str] = "E0801"
@@ -41,33 +44,68 @@ class ConflictingClauses(Diagnostic):
 @mission_options
 @click.option("--backend", default="highs", show_default=True, help="See `stlc backends`.")
 @click.option("--time-limit", type=click.FloatRange(min=0), default=60.0, show_default=True,
-              metavar="S", help="Seconds for each of the solves.")  # fmt: skip
+              metavar="S", help="Seconds for all solves together.")  # fmt: skip
+@click.option("--all", "every", is_flag=True, help="Every minimal conflict, not one.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def explain_command(
     file: Path,
     define: tuple[str, ...],
     allow_path: tuple[Path, ...],
     backend: str,
     time_limit: float,
+    every: bool,
+    as_json: bool,
 ) -> int:
-    """Say which requirements of FILE cannot hold together; exit 3 when there are such.
+    """Say which parts of FILE cannot hold together, and why; exit 3 when there are such.
 
     Exit 0 when a plan was found possible; 4 when neither was proven within the limit.
     """
-    return explain_mission(load(file, define, allow_path), backend, time_limit)
+    return explain_mission(load(file, define, allow_path), backend, time_limit, every, as_json)
 
 
-def explain_mission(mission: Mission, backend: str, time_limit: float) -> int:
-    """Print the conflict; the exit status of `stlc explain`."""
-    from stlc.explain.conflict import Verdict, explain
+def explain_mission(
+    mission: Mission, backend: str, time_limit: float, every: bool = False, as_json: bool = False
+) -> int:
+    """Print the conflict, or every one; the exit status of `stlc explain`."""
+    from stlc.explain.conflict import Verdict, begin
+    from stlc.explain.oracle import Oracle
+    from stlc.solve.deadline import Deadline
 
-    result = explain(mission, backend=backend, time_limit=time_limit, grace=_GRACE)
-    if not isinstance(result, Verdict):
-        _show(result)
-        return InfeasibleError.exit_status
-    if result is Verdict.FEASIBLE:
-        click.echo("no conflict: the requirements can be satisfied together")
+    oracle = Oracle(mission, backend, Deadline.after(time_limit), _GRACE)
+    verdict = begin(oracle)
+    if verdict is Verdict.UNKNOWN:
+        raise NoPlanError(f"not decided within {time_limit:g} s")
+    if verdict is Verdict.FEASIBLE:
+        text = "no conflict: the requirements can be satisfied together"
+        answer({"status": "feasible", "conflicts": []}) if as_json else click.echo(text)
         return 0
-    raise NoPlanError(f"not decided within {time_limit:g} s")
+    found, complete = _conflicts(oracle, every)
+    if as_json:
+        answer({
+            "status": "infeasible", "complete": complete,
+            "conflicts": [c.as_dict() for c in found],
+        })  # fmt: skip
+        return InfeasibleError.exit_status
+    for conflict in found:
+        _show(conflict)
+    if every:
+        click.echo(_count(len(found), complete))
+    return InfeasibleError.exit_status
+
+
+def _conflicts(oracle: Oracle, every: bool) -> tuple[Sequence[Conflict], bool]:
+    """One conflict or all of them; whether there can be no other."""
+    from stlc.explain.conflict import all_conflicts, conflict_of
+
+    if not every:
+        return [conflict_of(oracle, oracle.mission.requirements)], False
+    found = list(all_conflicts(oracle))
+    return found, not oracle.deadline.over()
+
+
+def _count(number: int, complete: bool) -> str:
+    more = "" if complete else "; the time ended before all were looked for"
+    return f"{number} minimal conflict{'' if number == 1 else 's'}{more}"
 
 
 def show_conflict(mission: Mission, backend: str, seconds: float, told: str) -> list[str]:
@@ -78,10 +116,7 @@ def show_conflict(mission: Mission, backend: str, seconds: float, told: str) -> 
     """
     from stlc.explain.conflict import Verdict, explain
 
-    limit = seconds / 4
-    result = explain(
-        mission, backend=backend, time_limit=limit, total=seconds, proven=True, grace=_GRACE
-    )
+    result = explain(mission, backend=backend, time_limit=seconds, proven=True, grace=_GRACE)
     if isinstance(result, Verdict):
         return []
     _show(result, told)
@@ -104,27 +139,44 @@ def _remedy(several: bool, by_cells: Bound | None) -> str:
 
     if by_cells is not None:
         return remedy(by_cells)
-    if several:
-        return "relax one of them, or the bounds of the agents they speak of"
-    return "relax it, or the bounds of the agents it speaks of"
+    what = "one of them" if several else "it"
+    return f"relax {what}, or a bound named here; `stlc explain FILE --fix` offers changes"
 
 
 def _diagnostic(conflict: Conflict, told: str) -> Diagnostic:
+    from stlc.explain.words import clause
+
     clauses = list(zip(conflict.clauses, conflict.spans, strict=True))
     several = len(clauses) > 1
-    remarks = [Note(f"with this: `{c.name}`", span) for c, span in clauses[1:]]
-    if conflict.by_cells is not None:
-        remarks.append(Note("the partition is the cause: points of its cells may have a plan"))
-    if several and not conflict.minimal:
-        remarks.append(Note("the set may not be minimal: some proofs hit the time limit"))
-    if not told or told not in conflict.confirmation:
-        remarks.append(Note(conflict.confirmation))
+    first = clause(clauses[0][0])
     return ConflictingClauses(
         span=clauses[0][1],
         what=f"these {len(clauses)} clauses" if several else f"`{clauses[0][0].name}`",
         together=(" together" if several else "")
         + (" cell by cell" if conflict.by_cells is not None else ""),
-        first=f"`{clauses[0][0].name}`" if several else "cannot hold",
+        first=f"`{clauses[0][0].name}`: {first}" if several else f"{first} cannot hold",
         remedy=_remedy(several, conflict.by_cells),
-        notes=tuple(remarks),
+        notes=tuple(_notes(conflict, told)),
     )
+
+
+def _notes(conflict: Conflict, told: str) -> list[Note]:
+    """The cause, the other members, and what is known of the proof."""
+    from stlc.explain.words import clause, parts_of, said
+
+    rest = zip(conflict.clauses[1:], conflict.spans[1:], strict=True)
+    remarks = [Note(f"cause: {conflict.cause.text}")] if conflict.cause.text else []
+    remarks += [Note(f"with this: `{c.name}`, {clause(c)}", span) for c, span in rest]
+    remarks += [
+        Note(f"of which this: `{said(part)}`", part.span)
+        for c in conflict.clauses
+        for part in parts_of(c)
+    ]
+    remarks += [Note(f"given this: {g}", g.span) for g in conflict.givens]
+    if conflict.by_cells is not None:
+        remarks.append(Note("the partition is the cause: points of its cells may have a plan"))
+    if not conflict.minimal:
+        remarks.append(Note("the set may not be minimal: some proofs hit the time limit"))
+    if not told or told not in conflict.confirmation:
+        remarks.append(Note(conflict.confirmation))
+    return remarks

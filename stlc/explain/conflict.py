@@ -1,172 +1,226 @@
-"""Why a mission has no plan: a minimal set of its clauses that cannot hold together.
+"""Why a mission has no plan: few and short parts of it that cannot hold together.
 
-Deletion filter (Chinneck and Dravnieks, Locating minimal infeasible constraint sets in linear
-programs, 1991) over the mission's clauses: the requirements, and then the conjuncts inside those
-that remain. Dynamics, bounds and the workspace always stay. A clause is dropped only when the rest
-is *proven* infeasible without it; where a proof doesn't come within the limit, the clause is kept
-and the answer says that it may not be minimal. The last infeasibility is confirmed by a second
-solver.
+Requirements first, a lone one before several; then what is inside them, conjuncts, parts of
+formulas and steps; then what is given beside them, bounds, starts, the workspace and partitions. A
+part is dropped only when the rest is *proven* infeasible without it; where a proof doesn't come in
+time, it is kept and the answer says that it may not be minimal. The last infeasibility is confirmed
+by a second solver.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from enum import Enum
-from functools import partial
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 from stlc import backends
 from stlc.backends.base import Solution, SolveOptions, Status
 from stlc.errors import InfeasibleError
-from stlc.ir.nodes import Always, And, Link, Node, walk
+from stlc.explain import shrink
+from stlc.explain.cause import Cause, cause_of
+from stlc.explain.givens import Given, givens_of
+from stlc.explain.marco import conflicts
+from stlc.explain.oracle import Oracle, Question, Verdict, channels_of
+from stlc.explain.words import clause, place, steps_of
 from stlc.ir.requirement import Requirement
+from stlc.milp.compile import CompileOptions
 from stlc.mission import Bound, Mission
 from stlc.solve.confirm import confirm_infeasible
 from stlc.solve.deadline import Deadline
-from stlc.solve.supervise import Supervisor
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from stlc.source import Span
 
+__all__ = ["Conflict", "Verdict", "explain"]
 
-class Verdict(Enum):
-    """What is known of a set of clauses."""
-
-    INFEASIBLE = "infeasible"
-    FEASIBLE = "feasible"
-    UNKNOWN = "unknown"
+_OPINION = 10.0  # s for the second solver
 
 
 @dataclass(frozen=True, slots=True)
 class Conflict:
-    """Clauses (pieces of requirements) that cannot hold together, in the order of the file.
+    """Clauses (weaker parts of requirements) that cannot hold together, in the order of the file.
 
-    `minimal`: without any one of them the rest was shown to be satisfiable. `confirmation` names
-    the solvers, or the interval analysis, that proved the conflict. `by_cells`: there is none
+    `givens` are the bounds, starts, workspace and partitions that they conflict with; without one
+    of them, as without one of the clauses, the rest can hold, where it is `minimal`. `confirmation`
+    names the solvers, or the interval analysis, that proved the conflict. `by_cells`: there is none
     when link predicates hold in every cell where they may at some point; the bound of theirs.
+    `questions` is how many models were asked.
     """
 
     clauses: tuple[Requirement, ...]
     minimal: bool
     confirmation: str
     by_cells: Bound | None = None
+    givens: tuple[Given, ...] = ()
+    cause: Cause = field(default_factory=lambda: Cause(""))
+    agents: tuple[str, ...] = ()
+    questions: int = 0
 
     @property
     def spans(self) -> tuple[Span | None, ...]:
         """Where the clauses stand."""
         return tuple(c.formula.span or c.span for c in self.clauses)
 
+    def as_dict(self) -> dict[str, Any]:
+        """Plain JSON values; steps count from 0, None is to the end."""
+        return {
+            "cause": self.cause.text,
+            "earliest": self.cause.earliest,
+            "short": self.cause.short,
+            "unit": self.cause.unit,
+            "clauses": [
+                {"requirement": c.name, "says": clause(c), "steps": steps_of(c), "place": place(s)}
+                for c, s in zip(self.clauses, self.spans, strict=True)
+            ],
+            "givens": [
+                {"kind": g.kind.value, "of": g.owner or None, "place": place(g.span)}
+                for g in self.givens
+            ],
+            "agents": list(self.agents),
+            "minimal": self.minimal,
+            "partition": None if self.by_cells is None else self.by_cells.value,
+            "proof": self.confirmation,
+        }
+
 
 def explain(
     mission: Mission,
     *,
     backend: str = "highs",
-    time_limit: float = 60.0,
-    total: float | None = None,
+    time_limit: float | None = 60.0,
     proven: bool = False,
     grace: float | None = None,
 ) -> Conflict | Verdict:
     """A conflict; or FEASIBLE, or UNKNOWN when nothing was proven within the limit.
 
-    `time_limit` [s] holds for each of the at most (clauses + 1) solves, `total` for all of them;
-    `grace` is as in SolveSettings. `proven`: that the whole is infeasible is known already.
+    `time_limit` [s] is for all of it; `grace` is as in SolveSettings. `proven`: that the whole is
+    infeasible is known already. MissionError for recorded signals, and where a model is too large.
     """
-    test = _Tester(mission, backend, time_limit, Deadline.after(total), grace)
-    verdict = Verdict.INFEASIBLE if proven else test(mission.requirements)
-    if verdict is not Verdict.INFEASIBLE:
-        return verdict
-    kept, _ = _shrink(test, mission.requirements)
-    pieces = tuple(piece for clause in kept for piece in _conjuncts(clause))
-    # Conjuncts say the same as their requirement, so splitting keeps the set infeasible; should
-    # tolerances disagree, the whole requirements stand.
-    if len(pieces) > len(kept) and test(pieces) is Verdict.INFEASIBLE:
-        kept = pieces
-    kept, minimal = _shrink(test, kept)
-    return Conflict(tuple(kept), minimal, test.confirm(kept), test.by_cells(kept))
+    oracle = Oracle(mission, backend, Deadline.after(time_limit), grace)
+    verdict = begin(oracle, proven)
+    return conflict_of(oracle, mission.requirements) if verdict is None else verdict
 
 
-def _shrink(test: _Tester, clauses: Sequence[Requirement]) -> tuple[tuple[Requirement, ...], bool]:
-    kept, minimal = list(clauses), True
-    for clause in clauses:
-        rest = [c for c in kept if c is not clause]
-        verdict = test(rest)
-        if verdict is Verdict.INFEASIBLE:
-            kept = rest
-        minimal = minimal and verdict is not Verdict.UNKNOWN
-    return tuple(kept), minimal
+def begin(oracle: Oracle, proven: bool = False) -> Verdict | None:
+    """Ask about the whole mission; None where it is proven to have no plan."""
+    whole = oracle.mission.requirements
+    if proven:
+        oracle.note(whole, Verdict.INFEASIBLE)
+    verdict = oracle(whole)
+    if verdict is not Verdict.INFEASIBLE and oracle.everybody() is Verdict.INFEASIBLE:
+        return None
+    return None if verdict is Verdict.INFEASIBLE else verdict
 
 
-def _conjuncts(requirement: Requirement) -> tuple[Requirement, ...]:
-    return tuple(replace(requirement, formula=f) for f in _split(requirement.formula))
+def conflict_of(oracle: Oracle, requirements: tuple[Requirement, ...]) -> Conflict:
+    """A minimal conflict among requirements that are infeasible together."""
+    oracle.sure = True
+    if oracle.everybody() is Verdict.INFEASIBLE:
+        return _without_requirements(oracle)
+    oracle.note((), Verdict.FEASIBLE)
+    pieces = shrink.inside(oracle, shrink.core(oracle, requirements))
+    return finished(oracle, pieces)
 
 
-def _split(formula: Node) -> tuple[Node, ...]:
-    """`and` splits, and so does `always` over `and`; every piece keeps its own span."""
-    match formula:
-        case And(args=args):
-            return tuple(piece for arg in args for piece in _split(arg))
-        case Always(arg=And(args=args)):
-            pieces = (piece for arg in args for piece in _split(arg))
-            return tuple(replace(formula, arg=p, span=p.span or formula.span) for p in pieces)
-        case _:
-            return (formula,)
+def all_conflicts(oracle: Oracle) -> Iterator[Conflict]:
+    """Every minimal conflict among the conjuncts of an infeasible mission's requirements.
+
+    Each is then followed into parts of formulas and steps. Ends with the oracle's deadline.
+    """
+    if oracle.everybody() is Verdict.INFEASIBLE:
+        yield _without_requirements(oracle)
+        return
+    oracle.note((), Verdict.FEASIBLE)
+    for pieces in conflicts(oracle, oracle.mission.requirements):
+        oracle.sure = True
+        yield finished(oracle, shrink.inside(oracle, pieces))
 
 
-@dataclass(slots=True)
-class _Tester:
-    """Is a set of clauses infeasible? Only proofs count."""
+def finished(oracle: Oracle, pieces: tuple[Requirement, ...]) -> Conflict:
+    """The conflict that minimal pieces make, with what is given, its cause and its proof."""
+    givens = shrink.needed(oracle, pieces)
+    minimal = oracle.sure
+    cause = cause_of(oracle, pieces, givens)
+    bound = _bound(oracle.mission, pieces) if shrink.by_cells(givens) else None
+    agents = tuple(n for n in oracle.mission.agents if n in oracle.agents(pieces))
+    order = sorted(pieces, key=lambda p: _offset(p, oracle.mission))
+    return Conflict(
+        tuple(order), minimal, _proof(oracle, pieces), bound, givens, cause, agents, oracle.asked
+    )
 
-    mission: Mission
-    backend: str
-    time_limit: float
-    deadline: Deadline  # from which on nothing more is proven
-    grace: float | None
 
-    def by_cells(self, clauses: Sequence[Requirement]) -> Bound | None:
-        """The bound of link predicates that conflict by their cells only, as far as is proven."""
-        channels = [n.channel for c in clauses for n in walk(c.formula) if isinstance(n, Link)]
-        if not channels or self(clauses, hopeful=True) is not Verdict.FEASIBLE:
-            return None
-        bounds = [self.mission.channels[c].predicate_bound for c in channels]
-        return Bound.WORST if Bound.WORST in bounds else bounds[0]
+def _offset(piece: Requirement, mission: Mission) -> int:
+    return [r.name for r in mission.requirements].index(piece.name)
 
-    def __call__(self, clauses: Sequence[Requirement], *, hopeful: bool = False) -> Verdict:
-        from stlc.solve.blame import compile_or_blame
 
-        try:
-            compiled = compile_or_blame(self._with(clauses), hopeful=hopeful)
-        except InfeasibleError:
-            return Verdict.INFEASIBLE
-        limit = min(self.time_limit, self.deadline.left)
-        if limit <= 0:
-            return Verdict.UNKNOWN
-        backend, asked = backends.get(self.backend), SolveOptions(time_limit=limit, gap=1.0)
-        work = partial(backend.solve, compiled.model)
-        answer = Supervisor(work, asked, self.grace).run()
-        match None if answer is None else answer.status:
-            case Status.INFEASIBLE:
-                return Verdict.INFEASIBLE
-            case Status.OPTIMAL | Status.FEASIBLE:
-                return Verdict.FEASIBLE
-            case _:
-                return Verdict.UNKNOWN
+def _without_requirements(oracle: Oracle) -> Conflict:
+    """Starts, dynamics, bounds and the workspace alone leave some agent no run."""
+    mission = oracle.mission
+    for name in mission.agents:
+        alone = Alone(oracle, name)
+        every = givens_of(mission, [name], [])
+        if alone(every):
+            kept = tuple(shrink.one_by_one(every, alone))
+            proof = _proof(oracle, ())
+            text = f"{name} has no run at all: {_reason(oracle)}"
+            return Conflict((), True, proof, None, kept, Cause(text), (name,), oracle.asked)
+    return Conflict((), True, _proof(oracle, ()), agents=tuple(mission.agents))
 
-    def confirm(self, clauses: Sequence[Requirement]) -> str:
-        """Who proved it, after a second solver has looked; SolverError when the second differs."""
-        from stlc.solve.blame import compile_or_blame
 
-        try:
-            compiled = compile_or_blame(self._with(clauses))
-        except InfeasibleError as error:
-            return f"proven by interval analysis: {error}"
-        claim = Solution(
-            Status.INFEASIBLE, solver=self.backend,
-            solver_version=backends.get(self.backend).version(),
-        )  # fmt: skip
-        options = SolveOptions(time_limit=self.time_limit)
-        return str(confirm_infeasible(compiled.model, claim, options=options))
+@dataclass(frozen=True, slots=True)
+class Alone:
+    """Whether one agent has no run with some of what it is given."""
 
-    def _with(self, clauses: Sequence[Requirement]) -> Mission:
-        return replace(self.mission, requirements=tuple(clauses), objective=())
+    oracle: Oracle
+    name: str
+
+    def __call__(self, kept: object) -> bool:
+        from dataclasses import replace
+
+        mission = self.oracle.mission
+        assert isinstance(kept, list)
+        free = set(givens_of(mission, [self.name], [])) - set(kept)
+        lone = replace(mission, agents={self.name: mission.agents[self.name]}, requirements=())
+        asked = Oracle(lone, self.oracle.backend, self.oracle.deadline, self.oracle.grace)
+        return asked.infeasible((), free)
+
+
+def _reason(oracle: Oracle) -> str:
+    """What interval analysis says of the bounds, if it does."""
+    try:
+        oracle.compiled(Question(frozenset()))
+    except InfeasibleError as error:
+        return str(error)
+    return "its start, dynamics and bounds rule out every one"
+
+
+def _bound(mission: Mission, pieces: tuple[Requirement, ...]) -> Bound:
+    bounds = [mission.channels[c].predicate_bound for c in channels_of(pieces)]
+    return Bound.WORST if Bound.WORST in bounds else bounds[0]
+
+
+def _proof(oracle: Oracle, pieces: tuple[Requirement, ...]) -> str:
+    """Who proved it, after a second solver has looked; SolverError when the second differs."""
+    from dataclasses import replace
+
+    from stlc.solve.blame import compile_or_blame
+
+    part = (
+        oracle.part(Question(frozenset(pieces)))
+        if pieces
+        else replace(oracle.mission, requirements=(), objective=())
+    )
+    names = {f"{p.name}#{k}": p.name for k, p in enumerate(sorted(pieces, key=lambda p: p.name))}
+    told = tuple(replace(r, name=names.get(r.name, r.name)) for r in part.requirements)
+    distinct = len({r.name for r in told}) == len(told)
+    part = replace(part, requirements=told) if distinct else part
+    try:
+        compiled = compile_or_blame(part, CompileOptions(tables=oracle.tables))
+    except InfeasibleError as error:
+        return f"proven by interval analysis: {error}"
+    claim = Solution(
+        Status.INFEASIBLE, solver=oracle.backend,
+        solver_version=backends.get(oracle.backend).version(),
+    )  # fmt: skip
+    limit = max(1.0, min(_OPINION, oracle.deadline.left))
+    return str(confirm_infeasible(compiled.model, claim, options=SolveOptions(time_limit=limit)))

@@ -16,7 +16,7 @@ from stlc.analysis.sizes import MOST_PARTS, check_size
 from stlc.analysis.stages import find_stages
 from stlc.analysis.table_sizes import check_tables
 from stlc.arrays import Floats, Ints
-from stlc.channels import ChannelTables
+from stlc.channels import ChannelTables, TableMemo
 from stlc.diagnostics import Diagnostic
 from stlc.errors import UsageError
 from stlc.ir.nodes import Node
@@ -48,7 +48,8 @@ class CompileOptions:
     `stl` and `link` name encodings ("auto" chooses by structure); `print_after` names passes whose
     result goes to `show(name, text)`, "all" for every one. `max_size` bounds the parts of the
     model, as `analysis/sizes.py` counts them. `hopeful` lets a link predicate hold in a cell where
-    it may at some point: no plan then means that no finer partition has one.
+    it may at some point: no plan then means that no finer partition has one. `tables` are shared
+    with missions of the same channels and stations.
     """
 
     stl: str = "auto"
@@ -58,6 +59,7 @@ class CompileOptions:
     show: Callable[[str, str], None] = _silent
     max_size: int = MOST_PARTS
     hopeful: bool = False
+    tables: TableMemo | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +120,7 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     began = time.perf_counter()
     check_controlled(mission)
     check_size(mission, options.max_size)
-    tables = LinkTables(mission, options.hopeful)
+    tables = LinkTables(mission, options.hopeful, options.tables)
     ranges = reach(mission)
     check_tables(mission, ranges, options.max_size)
     program = Program(mission.requirements, mission, ranges, tables)

@@ -14,6 +14,7 @@ from stlc.analysis.bounds import static_bounds
 from stlc.analysis.doubles import RangeLost
 from stlc.analysis.reach import reach
 from stlc.analysis.unreachable import Unreachable
+from stlc.channels import TableMemo
 from stlc.ir.nodes import Always, And, Eventually, Link, Node, Until, walk
 from stlc.ir.requirement import Requirement
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
@@ -86,13 +87,14 @@ def compile_or_blame(
 
     Raises as `compile_mission`, with Blamed for Unreachable.
     """
+    options = replace(options or CompileOptions(), hopeful=hopeful)
     try:
-        options = replace(options or CompileOptions(), hopeful=hopeful)
         return compile_mission(mission, options)
     except Unreachable as error:
         name = error.requirement.name
         requirement = next(r for r in mission.requirements if r.name == name)
-        blame = _Analysis(mission, requirement.margin).blame(requirement)
+        tables = options.tables if options.tables is not None else {}
+        blame = _Analysis(mission, requirement.margin, tables).blame(requirement)
         raise Blamed(requirement, blame) from None
 
 
@@ -100,6 +102,7 @@ def compile_or_blame(
 class _Analysis:
     mission: Mission
     margin: float
+    tables: TableMemo
 
     def blame(self, requirement: Requirement) -> Blame:
         """Follow the failing parts of the formula, which is judged from step 0."""
@@ -173,7 +176,7 @@ class _Analysis:
         asked = tuple(
             Requirement(str(k), Eventually(parts[k][0], parts[k][1], parts[k][1])) for k in judged
         )
-        program = Program(asked, mission, reach(mission), LinkTables(mission, hopeful))
+        program = Program(asked, mission, reach(mission), LinkTables(mission, hopeful, self.tables))
         for step in (nnf, horizon, cse, unroll):
             program = step.run(program)
         bounds = static_bounds(program.formulas, program.ranges, None, program.link_bounds)

@@ -1,0 +1,210 @@
+"""One sentence of cause: what is missing, by how much."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from stlc.backends import get
+from stlc.backends.base import SolveOptions
+from stlc.errors import InfeasibleError, MissionError, SolverError, UsageError
+from stlc.explain.givens import Given, Kind
+from stlc.explain.oracle import Oracle, Question, Verdict
+from stlc.explain.words import body_of, clause, parts_of, said, unit_of
+from stlc.ir.nodes import Always, Eventually, Link, Node, Until, walk
+from stlc.ir.requirement import Requirement
+from stlc.milp.compile import CompileOptions, compile_mission
+from stlc.mission import ObjectiveTerm, TermKind
+
+_LONGER = 3  # times the horizon, and a little, for the earliest possible step
+_LOW = -1e6  # a margin that never binds
+_GAP = 0.02  # of the shortfall: a person reads two digits
+
+
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """A sentence. `earliest`: the first step at which what comes too late is possible; `short`: how
+    far the best value of `of` stays below what is asked, in `unit`."""
+
+    text: str
+    earliest: int | None = None
+    short: float | None = None
+    unit: str = ""
+
+
+def cause_of(oracle: Oracle, pieces: Sequence[Requirement], givens: Sequence[Given]) -> Cause:
+    """Why these cannot hold together."""
+    if not givens and pieces:
+        return Cause(_contradiction(pieces))
+    late = _deadline(oracle, pieces, givens)
+    if late is not None:
+        return late
+    kept = _given(givens)
+    if not pieces:
+        return Cause(f"no run keeps {kept}")
+    short = _shortfall(oracle, pieces)
+    if short is not None:
+        piece, value = short
+        unit = unit_of(piece.formula)
+        others = [clause(p) for p in pieces if p is not piece]
+        beside = f"beside {_and(others)}, " if others else ""
+        text = f"{beside}{clause(piece)} stays {value:.3g}{' ' + unit if unit else ''} short"
+        return Cause(f"{text} at best, {kept}", short=value, unit=unit)
+    return Cause(f"no run meets {_and([clause(p) for p in pieces])}, {kept}")
+
+
+def _contradiction(pieces: Sequence[Requirement]) -> str:
+    """Pieces that fail whatever is given."""
+    words = [clause(p) for p in pieces]
+    if len(pieces) == 1:
+        words = [f"`{said(part)}`" for part in parts_of(pieces[0])] or words
+    if len(words) == 1:
+        return f"{words[0]} holds for no motion at all"
+    return f"{_and(words)} contradict each other, however the agents move"
+
+
+def _and(words: Sequence[str]) -> str:
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
+
+
+def _given(givens: Sequence[Given]) -> str:
+    """`given the speed and start of r1 and r2`: agents with the same kinds together."""
+    kinds: dict[str, list[str]] = {}
+    for given in givens:
+        kinds.setdefault(given.owner, []).append(given.kind.value.replace("_", " "))
+    owners: dict[str, list[str]] = {}
+    for owner, words in kinds.items():
+        owners.setdefault(_and(list(dict.fromkeys(words))), []).append(owner)
+    said = [
+        f"the {words}" + (f" of {_and(names)}" if any(names) else "")
+        for words, names in owners.items()
+    ]
+    return f"given {_and(said)}" if said else "whatever else is given"
+
+
+# --- too late ----------------------------------------------------------------------------------
+
+
+def _deadline(
+    oracle: Oracle, pieces: Sequence[Requirement], givens: Sequence[Given]
+) -> Cause | None:
+    """A lone `eventually` that would be possible later, or never."""
+    if len(pieces) != 1 or any(g.kind is Kind.PARTITION for g in givens):
+        return None
+    piece = pieces[0]
+    if not isinstance(piece.formula, Eventually | Until):
+        return None
+    end, horizon = piece.formula.end, oracle.mission.horizon
+    deadline = horizon if end is None else min(end, horizon)
+    earliest = earliest_step(oracle, piece, deadline)
+    who = _and(sorted(oracle.agents(pieces)))
+    what, at = _purpose(body_of(piece.formula)), _speed(givens)
+    if earliest is None:
+        most = _LONGER * horizon + 20
+        text = f"{who} cannot {what} within {most} steps{at}, {_given(givens)}"
+        return Cause(text)
+    text = f"{who} needs at least {earliest} steps to {what}{at}; the deadline is {deadline}"
+    return Cause(text, earliest)
+
+
+def _purpose(body: Node) -> str:
+    if body.member is not None and isinstance(body.member.subject, str):
+        return f"{'reach' if body.member.inside else 'leave'} {body.member.place}"
+    return f"make `{said(body)}` hold"
+
+
+def _speed(givens: Sequence[Given]) -> str:
+    speeds = [g for g in givens if g.kind is Kind.SPEED and g.span is not None]
+    if not speeds:
+        speeds = [g for g in givens if g.kind is Kind.CONTROL and g.span is not None]
+    return f" at `{speeds[0].span.text}`" if speeds and speeds[0].span else ""
+
+
+def earliest_step(oracle: Oracle, piece: Requirement, deadline: int) -> int | None:
+    """The first deadline at which an `eventually` or `until` is possible by itself, as proven.
+
+    None where there is none within three times the horizon.
+    """
+    later = Later(oracle, piece)
+    low, high = deadline + 1, deadline + 2
+    most = _LONGER * oracle.mission.horizon + 20
+    while later(min(high, most)) is not Verdict.FEASIBLE:
+        if high >= most:
+            return None
+        low, high = min(high, most) + 1, high + 2 * (high - deadline)
+    high = min(high, most)
+    while low < high:
+        middle = (low + high) // 2
+        if later(middle) is Verdict.FEASIBLE:
+            high = middle
+        else:
+            low = middle + 1
+    return high
+
+
+@dataclass(frozen=True, slots=True)
+class Later:
+    """Whether a piece is possible by another deadline, the horizon moved with it."""
+
+    oracle: Oracle
+    piece: Requirement
+
+    def __call__(self, end: int) -> Verdict:
+        formula = self.piece.formula
+        assert isinstance(formula, Eventually | Until)
+        piece = replace(self.piece, formula=replace(formula, end=end))
+        own = oracle_for(self.oracle, end)
+        return own([piece])
+
+
+def oracle_for(oracle: Oracle, end: int) -> Oracle:
+    """The oracle of the same mission over as many steps as a deadline needs."""
+    mission = oracle.mission
+    longer = replace(mission, horizon=max(mission.horizon, end))
+    return Oracle(longer, oracle.backend, oracle.deadline, oracle.grace, oracle.tables)
+
+
+# --- too little --------------------------------------------------------------------------------
+
+
+def _shortfall(oracle: Oracle, pieces: Sequence[Requirement]) -> tuple[Requirement, float] | None:
+    """The piece that a planner would rather give way in, and by how much it fails at best."""
+    order = sorted(pieces, key=_weight)
+    for piece in order[:1]:
+        value = shortfall(oracle, piece, [p for p in pieces if p is not piece])
+        if value is not None and value > 1e-6:
+            return piece, value
+    return None
+
+
+def _weight(piece: Requirement) -> int:
+    """Links first, then conditions that hold all the time, then goals."""
+    if any(isinstance(n, Link) for n in walk(piece.formula)):
+        return 0
+    return 1 if isinstance(piece.formula, Always) else 2
+
+
+def shortfall(oracle: Oracle, piece: Requirement, others: Sequence[Requirement]) -> float | None:
+    """How far the best robustness of a piece beside others stays below its margin, as bounded.
+
+    None where that isn't found out in a moment, or has no bound.
+    """
+    part = oracle.part(Question(frozenset((piece, *others))))
+    named = [
+        r
+        for r in part.requirements
+        if r.formula == piece.formula and r.name.startswith(f"{piece.name}#")
+    ]
+    name = named[0].name
+    freed = tuple(replace(r, margin=_LOW) if r.name == name else r for r in part.requirements)
+    goal = ObjectiveTerm(TermKind.ROBUSTNESS, -1.0, requirement=name)
+    try:
+        options = CompileOptions(tables=oracle.tables)
+        compiled = compile_mission(replace(part, requirements=freed, objective=(goal,)), options)
+        asked = oracle.brief().bind(SolveOptions(gap=_GAP))
+        answer = get(oracle.backend).solve(compiled.model, asked)
+    except (InfeasibleError, MissionError, SolverError, UsageError):
+        return None
+    if answer.bound is None:
+        return None
+    return piece.margin + answer.bound

@@ -1,0 +1,170 @@
+"""From requirements that cannot hold together to as few and as short parts of them as do it.
+
+Deletion filter (Chinneck and Dravnieks, Locating minimal infeasible constraint sets in linear
+programs, 1991), many at a time while that works; windows by bisection, since a narrower window
+asks for less. A part goes only where what is left is proven infeasible.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from typing import TypeVar
+
+from stlc.explain.givens import Given, Kind, givens_of
+from stlc.explain.oracle import Oracle, channels_of
+from stlc.explain.weaken import conjuncts, drops, narrowed, window
+from stlc.ir.nodes import Always, walk
+from stlc.ir.requirement import Requirement
+from stlc.passes.horizon import last_steps
+
+T = TypeVar("T")
+Pieces = tuple[Requirement, ...]
+
+
+def minimal(items: Sequence[T], holds: Callable[[Sequence[T]], bool]) -> tuple[T, ...]:
+    """A subset that still `holds` and none of whose members can go; earlier ones go first.
+
+    `holds` is monotone and true of `items`. Halves are tried first, then smaller runs.
+    """
+    kept, size = list(items), max(1, len(items) // 2)
+    while True:
+        at = 0
+        while at < len(kept):
+            rest = kept[:at] + kept[at + size :]
+            if (rest or size == 1) and holds(rest):
+                kept = rest
+            else:
+                at += size
+        if size == 1:
+            return tuple(kept)
+        size //= 2
+
+
+def length_of(piece: Requirement) -> int:
+    """How much there is to read: distinct parts of the formula."""
+    return sum(1 for _ in walk(piece.formula))
+
+
+def core(oracle: Oracle, requirements: Pieces) -> Pieces:
+    """Whole requirements: a lone one before several, else those that share agents, made few."""
+    lone = _lone(oracle, requirements)
+    if lone is not None:
+        return (lone,)
+    longest = sorted(_related(oracle, requirements), key=length_of, reverse=True)
+    found = minimal(longest, oracle.infeasible)
+    return tuple(r for r in requirements if r in found)
+
+
+def _lone(oracle: Oracle, requirements: Pieces) -> Requirement | None:
+    """The shortest requirement that fails by itself; first the one that intervals blame."""
+    if len(requirements) == 1:
+        return requirements[0]
+    order = sorted(requirements, key=lambda r: (r.name != oracle.blamed, length_of(r)))
+    return next((r for r in order if oracle.infeasible([r])), None)
+
+
+def _related(oracle: Oracle, requirements: Pieces) -> Pieces:
+    """Of the groups of requirements that share agents one that fails by itself."""
+    groups: list[tuple[frozenset[str], Pieces]] = []
+    for requirement in requirements:
+        agents: frozenset[str] = oracle.agents([requirement])
+        members: Pieces = (requirement,)
+        for other in [g for g in groups if g[0] & agents]:
+            groups.remove(other)
+            agents, members = agents | other[0], other[1] + members
+        groups.append((agents, members))
+    if len(groups) == 1:
+        return requirements
+    return next((m for _, m in groups if len(m) > 1 and oracle.infeasible(m)), requirements)
+
+
+def inside(oracle: Oracle, requirements: Pieces) -> Pieces:
+    """Down to conjuncts, parts of formulas and steps."""
+    pieces = tuple(p for r in requirements for p in conjuncts(r))
+    if len(pieces) > len(requirements) and oracle.infeasible(pieces):
+        pieces = minimal(pieces, oracle.infeasible)
+    else:
+        pieces = requirements
+    for piece in sorted(pieces, key=length_of, reverse=True):
+        others = tuple(p for p in pieces if p is not piece)
+        shorter = _fewer_steps(oracle, _fewer_parts(oracle, piece, others), others)
+        pieces = tuple(shorter if p is piece else p for p in pieces)
+    split = tuple(p for piece in pieces for p in conjuncts(piece))
+    if len(split) > len(pieces) and oracle.infeasible(split):
+        return minimal(split, oracle.infeasible)
+    return pieces
+
+
+def _fewer_parts(oracle: Oracle, piece: Requirement, others: Pieces) -> Requirement:
+    """Parts left out, wherever in the formula, as long as the conflict stays."""
+    tried = 0
+    while True:
+        ways = list(drops(piece.formula))
+        if tried >= len(ways):
+            return piece
+        shorter = replace(piece, formula=ways[tried])
+        if oracle.infeasible((*others, shorter)):
+            piece = shorter
+        else:
+            tried += 1
+
+
+def _fewer_steps(oracle: Oracle, piece: Requirement, others: Pieces) -> Requirement:
+    """The window of an `always` from step 0 cut down at its end, then at its start."""
+    if not isinstance(piece.formula, Always):
+        return piece
+    body = piece.formula.arg
+    ends = window(piece.formula, last_steps((body,), oracle.mission.horizon)[body])
+    if ends is None or ends[0] >= ends[1]:
+        return piece
+
+    def fails(first: int, last: int) -> bool:
+        return oracle.infeasible((*others, narrowed(piece, first, last)))
+
+    first, last = ends
+    last = _least(first, last, lambda t: fails(first, t))
+    first = -_least(-last, -first, lambda t: fails(-t, last))
+    return narrowed(piece, first, last)
+
+
+def _least(low: int, high: int, holds: Callable[[int], bool]) -> int:
+    """The least number in low..high that holds, where every greater one does and `high` does."""
+    while low < high:
+        middle = (low + high) // 2
+        if holds(middle):
+            high = middle
+        else:
+            low = middle + 1
+    return high
+
+
+def needed(oracle: Oracle, pieces: Pieces) -> tuple[Given, ...]:
+    """What is given that the conflict cannot do without."""
+    every = givens_of(oracle.mission, sorted(oracle.agents(pieces)), sorted(channels_of(pieces)))
+    return minimal_givens(oracle, pieces, every)
+
+
+def minimal_givens(oracle: Oracle, pieces: Pieces, every: Sequence[Given]) -> tuple[Given, ...]:
+    """Those of `every` without which the pieces can hold, each beside the others that are kept."""
+
+    def fails(kept: Iterable[Given]) -> bool:
+        return oracle.infeasible(pieces, set(every) - set(kept))
+
+    if fails(()):
+        return ()
+    return tuple(one_by_one(every, fails))
+
+
+def one_by_one(every: Sequence[Given], fails: Callable[[Iterable[Given]], bool]) -> list[Given]:
+    kept = list(every)
+    for given in every:
+        rest = [g for g in kept if g is not given]
+        if fails(rest):
+            kept = rest
+    return kept
+
+
+def by_cells(givens: Iterable[Given]) -> bool:
+    """Whether the grid of a channel takes part."""
+    return any(g.kind is Kind.PARTITION for g in givens)
