@@ -126,6 +126,7 @@ def duplicates() -> Model:
 
 
 def infeasible_lp() -> Model:
+    """x1 + x2 >= 3 with x in [0, 1]^2: no point, and no integers either."""
     b = ModelBuilder("infeasible")
     x = b.add_columns("x", (2,), 0, 1, cost=1)
     b.add_dense_rows("row", x[None, :], [1, 1], 3, INF)
@@ -141,6 +142,7 @@ def infeasible_mip() -> Model:
 
 
 def unbounded() -> Model:
+    """min -x1 + x2 / 2 with x1 - x2 <= 5: the ray (1, 1) costs -1/2."""
     b = ModelBuilder("unbounded")
     x = b.add_columns("x", (2,), cost=[-1, 0.5])
     b.add_dense_rows("row", x[None, :], [1, -1], -INF, 5)
@@ -148,10 +150,12 @@ def unbounded() -> Model:
 
 
 def empty() -> Model:
+    """Neither columns nor rows; the optimum is the offset, 2."""
     return ModelBuilder("empty", offset=2.0).build()
 
 
 def rowless() -> Model:
+    """Bounds alone, fractional ones for the integer: best at x = (-2.5, 4, any), n = -2."""
     b = ModelBuilder("rowless", offset=1.0)
     b.add_columns("x", (3,), -2.5, 4, cost=[1, -1, 0])
     b.add_columns("n", (1,), -2.5, 4, integer=True, cost=1)
@@ -167,4 +171,5 @@ def unused() -> Model:
 
 
 def hard() -> Model:
+    """A knapsack of 200 items and 30 rows: still open when a limit or a stop comes."""
     return knapsack(200, 30)

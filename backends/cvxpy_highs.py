@@ -86,6 +86,7 @@ class Cvxpy:
 
 
 def _problem(model: Model) -> tuple[Any, Any]:
+    """The problem and its variable x; rows with two sides are given as two inequalities."""
     import cvxpy as cp
 
     integers = np.flatnonzero(model.integrality)
@@ -104,6 +105,7 @@ def _problem(model: Model) -> tuple[Any, Any]:
 
 
 def _run(problem: Any, options: SolveOptions, threads: int) -> None:
+    """Solves in place; `options.extra` goes to HiGHS as it is. SolverError where CVXPY refuses."""
     import cvxpy as cp
 
     settings: dict[str, object] = {

@@ -97,6 +97,7 @@ class External:
         return shutil.which(self.template.binary) if self.template.binary else None
 
     def _command(self, files: Files, options: SolveOptions) -> list[str]:
+        """The command's words, for no shell: those of the user's template, or of ours."""
         if not self.template.binary:
             own = options.extra.get("command")
             if not isinstance(own, str):

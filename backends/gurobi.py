@@ -70,6 +70,7 @@ class Gurobi:
     def _read(
         self, grb: Any, x: Any, model: Model, options: SolveOptions, began: float
     ) -> Solution:
+        """The answer; a bound is taken only where Gurobi's status makes it one."""
         status = _status(grb)
         if status is None:
             status = infeasible_or_unbounded(self, model, options)
@@ -98,6 +99,7 @@ def _environment(options: SolveOptions) -> Any:
 
 
 def _load(grb: Any, model: Model, options: SolveOptions) -> Any:
+    """Columns, rows and parameters into `grb`; a row with two sides becomes two."""
     kinds = np.where(model.integrality == 1, "I", "C")
     x = grb.addMVar(model.columns, lb=model.col_lower, ub=model.col_upper, obj=model.c, vtype=kinds)
     grb.ObjCon = model.offset
@@ -124,6 +126,7 @@ def _load(grb: Any, model: Model, options: SolveOptions) -> Any:
 
 
 def _listener(worker: Worker, x: Any) -> Any:
+    """The callback: hands on incumbents and progress, and ends the run when asked to."""
     from gurobipy import GRB
 
     def heard(grb: Any, where: int) -> None:

@@ -64,6 +64,7 @@ class Highs:
     def _read(
         self, h: Any, model: Model, options: SolveOptions, threads: int, seconds: float
     ) -> Solution:
+        """The answer, without points that HiGHS keeps with statuses that don't vouch for them."""
         info, has_point = h.getInfo(), _has_point(h)
         status = _status(h, has_point)
         if status is None:
@@ -92,6 +93,7 @@ def _check(status: Any, what: str) -> None:
 
 
 def _loaded(model: Model) -> Any:
+    """HiGHS with the model; its row-wise matrix is ours as it stands."""
     hs, A = _highspy(), model.A
     h = new_highs()
     status = h.passModel(
@@ -105,6 +107,7 @@ def _loaded(model: Model) -> Any:
 
 
 def _configure(h: Any, model: Model, options: SolveOptions, threads: int) -> None:
+    """Options, the user's last, and the start; a refused one is a SolverError that names it."""
     values: dict[str, object] = {"mip_rel_gap": options.gap, "threads": threads}
     if options.time_limit is not None:
         values["time_limit"] = float(options.time_limit)

@@ -116,6 +116,7 @@ def _seconds(options: SolveOptions) -> float:
 
 
 def _loaded(model: Model, options: SolveOptions) -> Any:
+    """The model by CBC's own C interface, in blocks: python-mip takes one coefficient at a time."""
     import mip
 
     ffi, lib = _cbc()
@@ -142,6 +143,7 @@ def _loaded(model: Model, options: SolveOptions) -> Any:
 
 
 def _configure(target: Any, options: SolveOptions) -> None:
+    """Gap, threads, seed, parameters of CBC by name, and the start."""
     target.max_mip_gap = options.gap
     if options.workers > 1:
         target.threads = options.workers

@@ -70,6 +70,7 @@ class Scip:
         return replace(again, seconds=first.seconds + again.seconds)
 
     def _solve(self, model: Model, options: SolveOptions) -> Solution:
+        """Solves without the GIL in a thread, so that progress and stops come through."""
         began = time.perf_counter()
         scip = _loaded(model)
         columns = _columns(scip, model)
@@ -140,6 +141,7 @@ def _columns(scip: Any, model: Model) -> list[Any]:
 
 
 def _configure(scip: Any, options: SolveOptions) -> None:
+    """Parameters, the user's last; one that SCIP refuses is a SolverError that names it."""
     values: dict[str, object] = {
         "limits/gap": options.gap, "lp/threads": options.workers, **_SOUND
     }  # fmt: skip
@@ -162,6 +164,7 @@ def _start(scip: Any, columns: list[Any], start: Floats) -> None:
 
 
 def _listen(scip: Any, columns: list[Any], worker: Worker) -> None:
+    """Hands each new incumbent to the worker, with bound and nodes at that time."""
     if worker.options.on_progress is None:
         return
 

@@ -80,6 +80,7 @@ def _without_presolve(model: Model, options: SolveOptions, first: Any) -> Any:
 
 
 def _run(model: Model, options: SolveOptions) -> Any:
+    """scipy's own result; options that it doesn't know are errors instead of warnings."""
     from scipy.optimize import Bounds, LinearConstraint, milp
 
     settings: dict[str, Any] = {"mip_rel_gap": options.gap, **options.extra}

@@ -162,6 +162,7 @@ class Worker:
         future.result()
 
     def _deliver(self, cancel: Callable[[], None] | None) -> None:
+        """Calls back in the caller's thread, as events come, until the solver's has ended."""
         while True:
             try:
                 event = self._events.get(timeout=_POLL)

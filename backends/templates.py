@@ -65,6 +65,7 @@ def _glpsol(files: Files, options: SolveOptions, more: Sequence[str]) -> list[st
 
 
 def _scip(files: Files, options: SolveOptions, more: Sequence[str]) -> list[str]:
+    """Commands for SCIP's shell; a time limit, gap and seed only where given."""
     settings = _given(
         ("set limits time", options.time_limit),
         ("set limits gap", options.gap),
@@ -80,6 +81,7 @@ def _scip(files: Files, options: SolveOptions, more: Sequence[str]) -> list[str]
 
 
 def _highs(files: Files, options: SolveOptions, more: Sequence[str]) -> list[str]:
+    """HiGHS takes its settings from a file of options, written beside the model."""
     settings = {
         "mip_rel_gap": options.gap, "time_limit": options.time_limit,
         "threads": options.workers, "random_seed": options.seed,

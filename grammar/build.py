@@ -72,6 +72,7 @@ def _numbering(states: Any, start: Any) -> dict[Any, int]:
 
 
 def _rule(rule: Any) -> list[Any]:
+    """[name, length, callback, children kept, splices]; -1 is an option left out."""
     absent = rule.options.empty_indices or (False,) * len(rule.expansion)
     plan: list[int] = []
     position = 0

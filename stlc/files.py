@@ -112,6 +112,10 @@ def atomic_output(path: str | os.PathLike[str], *, in_place: bool = False) -> It
 
 @contextmanager
 def _opened(target: Path) -> Iterator[BinaryIO]:
+    """A stream whose bytes become `target` all at once at the end, or never.
+
+    Standard output and devices are written as they come. The file keeps its permissions.
+    """
     if str(target) in _STDOUT and hasattr(sys.stdout, "buffer"):
         yield sys.stdout.buffer  # descriptor 1 may be muted: a solver's library prints there
         sys.stdout.buffer.flush()

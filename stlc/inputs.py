@@ -67,6 +67,7 @@ def _check(kind: os.stat_result, most: int, regular: bool) -> None:
 
 
 def _read(descriptor: int, most: int) -> bytes:
+    """Everything that comes, up to `most` bytes; a pipe may be silent for `_PATIENCE` seconds."""
     parts: list[bytes] = []
     size, heard = 0, time.monotonic()
     while True:

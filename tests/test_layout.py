@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import subprocess
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -79,3 +80,42 @@ def test_nothing_names_this_machine() -> None:
         text = full.read_text(errors="replace")
         assert "/".join(["", "work", ""]) not in text or path.name == "test_layout.py", path
         assert "index" + "-url" not in text, path
+
+
+BUILDERS = {"ExprBuilder", "StatementBuilder"}
+"""Classes whose methods are productions of grammar/stl.lark, where each is told."""
+
+
+def _functions(
+    node: ast.AST, inside: tuple[str, ...] = ()
+) -> Iterator[tuple[str, ast.FunctionDef]]:
+    """Functions and methods with their qualified names, those within functions left out."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.FunctionDef):
+            yield ".".join((*inside, child.name)), child
+        elif isinstance(child, ast.ClassDef):
+            if child.name not in BUILDERS:
+                yield from _functions(child, (*inside, child.name))
+        else:
+            yield from _functions(child, inside)
+
+
+def _needs_docstring(name: str, function: ast.FunctionDef) -> bool:
+    if any(ast.unparse(d) == "overload" for d in function.decorator_list):
+        return False
+    if function.name.startswith("__"):
+        return False
+    lines = (function.end_lineno or 0) - function.lineno + 1
+    return lines > 10 or not any(part.startswith("_") for part in name.split("."))
+
+
+def test_what_a_reader_would_stop_at_has_a_docstring() -> None:
+    bare = [
+        f"{path}: {name}"
+        for path in _tracked()
+        if path.suffix == ".py" and path.parts[0] in ("stlc", "grammar", "backends")
+        and (ROOT / path).is_file()
+        for name, function in _functions(ast.parse((ROOT / path).read_text()))
+        if _needs_docstring(name, function) and not ast.get_docstring(function)
+    ]  # fmt: skip
+    assert not bare, "\n".join(bare)

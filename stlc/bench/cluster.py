@@ -49,6 +49,7 @@ def run_remotely(job: Job, word: str) -> Record | None:
 def _gather(
     open_: set[object], futures: dict[object, Job], should_stop: Callable[[], bool]
 ) -> Iterator[Record]:
+    """Records as their jobs end; a stop leaves the open ones running, for the caller to cancel."""
     while open_ and not should_stop():
         try:
             done = distributed().wait(open_, timeout=_POLL, return_when="FIRST_COMPLETED").done

@@ -62,6 +62,7 @@ def _change(kind: str, now: Group, text: str, ratio: float | None = None) -> Cha
 
 
 def _optimum(now: Group, before: Group) -> list[Change]:
+    """Two proven optima further apart than both gaps and 1e-6 (relative) allow: one is wrong."""
     a, b = now.minimised, before.minimised
     if now.status != "optimal" or before.status != "optimal" or a is None or b is None:
         return []

@@ -113,6 +113,7 @@ def _plain_numbers(axis: Any) -> None:
 
 
 def _finish(fig: Any, ax: Any) -> str:
+    """The figure as SVG for inlining, without a date, so that equal data give equal text."""
     import matplotlib as mpl
 
     for axis in (ax.xaxis, ax.yaxis):

@@ -56,6 +56,7 @@ def families_of(table: Table) -> list[Family]:
 
 
 def _family(name: str, label: str, groups: list[Group]) -> Family:
+    """Counts and spreads (seconds, gaps) over the problems of one family under one label."""
     return Family(
         name,
         label,

@@ -126,6 +126,10 @@ def tables_of(groups: Iterable[Group]) -> list[Table]:
 
 
 def _table(suite: str, members: Sequence[Group]) -> Table:
+    """The groups of one suite by problem and label; the first label is the reference.
+
+    A column for the best of several peers is added: solved ones first, then the fastest.
+    """
     rows: dict[str, dict[str, Group]] = defaultdict(dict)
     for group in members:
         rows[group.first.problem][group.first.label] = group

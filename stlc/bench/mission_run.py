@@ -63,6 +63,7 @@ class _Run:
         self.tell(Update(fields))
 
     def make(self) -> None:
+        """Compiles, solves and judges; the first repetition adds the LP relaxation's bound."""
         mission = self._read()
         compiled = self._compile(mission)
         load_solvers(self.job.config.backend)
@@ -89,6 +90,7 @@ class _Run:
         return mission
 
     def _compile(self, mission: Mission) -> Compiled:
+        """The compiled mission; sends the model's size and the seconds of passes and encoding."""
         config = self.job.config
         began = time.perf_counter()
         compiled = compile_mission(mission, compile_options(config.encoding, config.disabled))
@@ -102,6 +104,7 @@ class _Run:
         return compiled
 
     def _solve(self, mission: Mission, compiled: Compiled) -> Solution:
+        """Runs the strategy and tells progress, in the mission's own sense."""
         from stlc.solve.strategies import run_strategy
 
         def report(progress: Progress) -> None:
@@ -116,6 +119,7 @@ class _Run:
         return run_strategy(config.strategy, compiled, backends.get(config.backend), options)
 
     def _check_first(self, mission: Mission, compiled: Compiled, progress: Progress) -> None:
+        """Notes an incumbent's time as the first plan's, once it is certified and verified."""
         from stlc.solve.judge import Judge
 
         x = progress.incumbent

@@ -84,6 +84,7 @@ def _nav(tables: Sequence[Table], compared: bool) -> str:
 
 
 def _changes(name: str, changes: Sequence[Change]) -> str:
+    """The card of what changed since the base `name`; alarming if anything got worse."""
     bad = [c for c in changes if c.kind in ("disagreement", "regression")]
     mood = "alarm" if bad else "calm"
     count = f"{len(bad)} regression{'s' * (len(bad) > 1)}" if bad else "No regression"
@@ -102,6 +103,7 @@ def _changes(name: str, changes: Sequence[Change]) -> str:
 
 
 def _section(one: Table) -> str:
+    """All of one suite: summary, families, agreement of optima, plots and every problem."""
     parts = [f'<section id="{escape(one.suite)}"><h2>Suite {escape(one.suite)}</h2>']
     parts.append(f'<div class="card scroll">{_summary_table(summaries(one))}</div>')
     families = families_of(one)
@@ -115,6 +117,7 @@ def _section(one: Table) -> str:
 
 
 def _agreement(one: Table) -> str:
+    """Whether proven optima agree; nothing where no problem was solved in two ways."""
     wrong = disagreements(one)
     if wrong:
         lines = "".join(f"<li>{escape(line)}</li>" for line in wrong)
@@ -128,6 +131,7 @@ def _agreement(one: Table) -> str:
 
 
 def _summary_table(lines: Sequence[Summary]) -> str:
+    """One row a configuration; ratios are to the reference, the first label."""
     heads = (
         "configuration", "problems", "solved to proof", "with a certified plan",
         "mean time [s]", "mean / reference", "geometric mean of ratios", "least ratio",
@@ -143,6 +147,7 @@ def _summary_table(lines: Sequence[Summary]) -> str:
 
 
 def _family_table(families: Sequence[Family]) -> str:
+    """One row a family and configuration: median / worst, with the limit where it was hit."""
     heads = (
         "median / worst of each family", "configuration", "problems", "with a plan", "proven",
         "first plan [s]", gap_title(f.limit for f in families), "proof [s]",
@@ -181,6 +186,7 @@ def _problem_table(one: Table) -> str:
 
 
 def _row(label: str, group: Group, reference: Group | None) -> list[Cell]:
+    """Cells of one group, in the order of the heads; the note is that of a run that failed."""
     value = group.value
     memory = value("peak_memory")
     later = value("gap_60") if group.first.time_limit > _MARK else None  # else it is the last gap

@@ -31,6 +31,7 @@ def run_peer(job: Job, tell: Tell) -> None:
 
 
 def _run(job: Job, tell: Tell) -> None:
+    """Solves a model that another tool wrote; the clock starts before it is read."""
     began = time.perf_counter()
     model = model_of(job.files[job.main], job.main)
     tell(Update({"read_seconds": time.perf_counter() - began, **sizes(model)}))
@@ -60,6 +61,7 @@ def _run(job: Job, tell: Tell) -> None:
 
 
 def _certified(job: Job, model: Model, solution: Solution) -> dict[str, Figure]:
+    """Figures of the answer once certified against the model; there is no mission to verify."""
     if solution.x is None:
         return no_point(solution)
     try:
@@ -93,6 +95,7 @@ def model_of(data: bytes, name: str) -> Model:
 
 
 def _from_highs(lp: Any, name: str) -> Model:
+    """A Model of what HiGHS has read: sides, bounds and kinds as they are, names left out."""
     from scipy.sparse import csc_matrix, csr_matrix
 
     highspy: Any = import_module("highspy")

@@ -71,6 +71,8 @@ def _problems(suite: Suite, choice: Choice) -> list[Problem]:
 def _jobs(
     folder: Path, suite: Suite, problem: Problem, choice: Choice, limits: Limits
 ) -> Iterator[Job]:
+    """First repetitions: our configurations, then each peer's file by each backend."""
+
     def job(config: Config, main: str, files: Mapping[str, bytes]) -> Job:
         own = replace(limits, seconds=_seconds(config, choice.seconds, limits.seconds))
         where = (dict(problem.axes), problem.family)

@@ -22,6 +22,7 @@ def summary_text(records: Sequence[Record]) -> str:
 
 
 def _suite(table: Table) -> str:
+    """One suite as text: problems by configurations, summaries, families, growth, disagreements."""
     lines = [
         f"suite {table.suite}: seconds of the solver (* no proof), then rows",
         f"{'':32}" + "".join(f"{label[:22]:>24}" for label in table.labels),
@@ -66,6 +67,7 @@ def _families(families: Sequence[Family]) -> list[str]:
 
 
 def _family(family: Family) -> str:
+    """One line: first plan, gap, proof, solver's time (median / worst), and proofs."""
     name = family.name if family.label == "auto" else f"{family.name} ({family.label})"
     cells = [
         spread_text(spread, family.limit) for spread in (family.first, family.proof, family.cpu)

@@ -43,6 +43,7 @@ def read_csv(path: Path) -> tuple[Record, ...]:
 
 
 def _value(name: str, text: str) -> Any:
+    """A field of the CSV in the type of the record's; empty is None where that is allowed."""
     kind = _TYPES[name]
     if text == "" and "None" in kind:
         return None

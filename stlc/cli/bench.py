@@ -206,6 +206,7 @@ def _line(record: Record) -> str:
 
 
 def _closing(jobs: tuple[Job, ...], store: Any) -> str:
+    """What the store now holds of this suite, and how to look at it."""
     from stlc.bench.rounds import pending
 
     keys = {job.key for job in jobs}

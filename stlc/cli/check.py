@@ -40,6 +40,7 @@ def check_command(
 
 
 def _explanation(code: str) -> str:
+    """The long text of a diagnostic, with remedy and example; UsageError names codes near it."""
     import difflib
     import inspect
     from textwrap import indent

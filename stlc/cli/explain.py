@@ -144,6 +144,10 @@ def _remedy(several: bool, by_cells: Bound | None) -> str:
 
 
 def _diagnostic(conflict: Conflict, told: str) -> Diagnostic:
+    """The conflict as a diagnostic at its first clause, the others as notes at theirs.
+
+    `told` is what was confirmed above already: it isn't said twice.
+    """
     from stlc.explain.words import clause
 
     clauses = list(zip(conflict.clauses, conflict.spans, strict=True))

@@ -160,6 +160,7 @@ def _status(report: MonitorReport, row: int) -> int:
 
 
 def _table(report: MonitorReport, row: int, by_subformula: bool) -> str:
+    """A line for each formula, at sample `row`, and for its sub-formulas with their places."""
     width = max((len(f.name) for f in report.formulas), default=0)
     lines: list[str] = []
     for formula in report.formulas:
@@ -173,6 +174,7 @@ def _table(report: MonitorReport, row: int, by_subformula: bool) -> str:
 
 
 def _line(formula: Monitored, width: int, report: MonitorReport, row: int) -> str:
+    """Verdict and robustness at sample `row`, and the first time [s] at which it fails."""
     name = f"{formula.name:<{width}}"
     if row >= len(formula.robustness):
         missing = row + 1 - len(formula.robustness)

@@ -40,6 +40,7 @@ def _ndjson(event: Event, /) -> None:
 
 
 def _line(event: Event, /) -> None:
+    """Shows an event on one line of the terminal, which the next event writes over."""
     match event:
         case ProgressEvent():
             text = _progress_text(event)

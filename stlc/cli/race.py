@@ -85,6 +85,7 @@ def race_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, ..
 
 
 def _enter(mission: Mission, given: _Words) -> tuple[dict[str, Compiled], list[Racer]]:
+    """Compiles the mission for each entrant `backend[:encoding]`, before any of them starts."""
     from stlc import backends
     from stlc.backends.base import SolveOptions
     from stlc.milp.encodings import compile_options
@@ -111,6 +112,7 @@ def _summary(result: Result) -> str:
 
 
 def _as_dict(result: Result) -> dict[str, Any]:
+    """The race as JSON; objective in the mission's own sense, seconds on the wall clock."""
     return {
         "winner": result.winner,
         "sense": result.plan.solve.sense.value,

@@ -132,6 +132,7 @@ def _explain(mission: Mission, settings: SolveSettings, tell: Listener, told: st
 
 
 def _settings(mission: Mission, given: _Words) -> SolveSettings:
+    """Options as settings; unknown names and a `--shift` without start are usage errors."""
     from stlc.milp.encodings import compile_options
     from stlc.plan import read_plan, shifted
     from stlc.solve.outcome import SolveSettings
@@ -152,6 +153,7 @@ def _settings(mission: Mission, given: _Words) -> SolveSettings:
 
 
 def _summary(outcome: Outcome) -> str:
+    """What a person sees of a solve: status, robustness of each requirement, notes, seconds."""
     info = outcome.plan.solve
     gap = "" if info.gap is None else f", gap {info.gap:.2%}"
     bound = "" if info.bound is None else f", bound {plain(info.bound)}"

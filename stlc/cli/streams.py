@@ -40,6 +40,7 @@ class _Descriptor(io.RawIOBase):
         return os.isatty(self._descriptor)
 
     def write(self, data: ReadableBuffer, /) -> int:
+        """Writes, or drops what nobody can read any more: a reader that left is no error."""
         size = memoryview(data).nbytes
         if self._gone:
             return size

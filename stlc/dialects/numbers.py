@@ -77,6 +77,7 @@ class Numbers:
         return self._robustness(expr)
 
     def _name(self, name: Name) -> Number:
+        """A parameter, signal or definition as a number; a formula stands for its robustness."""
         kind = self.scope.kind(name.text, self.at)
         if kind is Kind.PARAM:
             return Number(self.scope.params[name.text].emitted)
@@ -97,6 +98,7 @@ class Numbers:
         return number
 
     def _arithmetic(self, expr: Binary) -> Number:
+        """Sums, and products with one constant factor; what isn't linear in signals is refused."""
         left, right = self.number(expr.left), self.number(expr.right)
         varies = left.varies or right.varies
         match expr.operator:
@@ -120,6 +122,7 @@ class Numbers:
         return Number(f"{base.at(ATOM)}^{exponent.at(ATOM)}", PRODUCT)
 
     def _call(self, call: Call) -> Number:
+        """A function of numbers: abs, min and max take signals, all others constants only."""
         args = [self.number(a) for a in call.args]
         varies, name = any(a.varies for a in args), call.function
         least, most = (1, 1) if name == "abs" or name in _OF_CONSTANTS else (2, 2)
@@ -137,6 +140,7 @@ class Numbers:
         return self._constant_call(call, args)
 
     def _constant_call(self, call: Call, args: list[Number]) -> Number:
+        """Functions of constants under our names; log(x, b) becomes a quotient."""
         name = call.function
         if name in ("pow", "power"):
             return self._power(args[0], args[1], call.span)
@@ -168,6 +172,7 @@ class Numbers:
         raise ImportFailure(DialectUnsupported(span=expr.span, what=what, advice=advice))
 
     def _relation(self, expr: Binary) -> Number:
+        """A comparison, or `implies`, as the number that is its robustness."""
         left, right = self.number(expr.left), self.number(expr.right)
         difference = f"{left.at(SUM)} - {right.at(PRODUCT)}"
         match expr.operator:

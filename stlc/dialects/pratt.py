@@ -135,6 +135,7 @@ class Parser:
         return infix.power if infix.timed is None or not self._interval_at(1) else infix.timed
 
     def _joined(self, left: Expr, infix: Infix, start: Span) -> Expr:
+        """What an infix operator makes of `left` and what follows; `start` is where left begins."""
         operator = infix.operator
         if operator == "until" or operator == "release" or operator == "unless":
             timed = infix.timed is not None and self._interval_at(0)
@@ -154,6 +155,7 @@ class Parser:
         return Binary(span, operator, left, right)
 
     def _operand(self) -> Expr:
+        """A prefixed formula, a literal, a name or a group; past operators are refused here."""
         token = self.token
         special = self.special()
         if special is not None:
@@ -196,6 +198,7 @@ class Parser:
         return ends or (infix is not None and after.text not in self.language.prefix)
 
     def _prefixed(self, prefix: Prefix) -> Expr:
+        """A sign, `not` or a temporal operator, which may bind otherwise with an interval."""
         start = self.take().span
         if prefix.operator == "+":
             return self.expression(prefix.operand)
@@ -234,6 +237,7 @@ class Parser:
         return first.text in ("[", "_")
 
     def _interval(self) -> Interval | None:
+        """`[a, b]`, `_[a, b]` or nothing; the end `inf` is None."""
         before = self.accept("_")
         if not before and self.token.text != "[":
             return None

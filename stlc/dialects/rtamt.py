@@ -124,6 +124,7 @@ class RtamtParser(Parser):
         return ends and not is_operator and second.text not in self.language.past
 
     def _declaration(self) -> list[Item]:
+        """`const T c = 1`, `input T x`, `T f = formula`; unknown types declare fields only."""
         start = self.token
         constant = self.accept("const")
         self.accept("input", "output", "internal")

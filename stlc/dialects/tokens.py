@@ -39,6 +39,7 @@ def tokenize(source: Source, scanner: re.Pattern[str]) -> list[Token]:
 
 
 def _scan(source: Source, scanner: re.Pattern[str]) -> Iterator[Token]:
+    """Tokens with their spans, and an `end` behind the last character that isn't blank."""
     at, text = 0, source.text
     while at < len(text):
         match = scanner.match(text, at)

@@ -106,6 +106,9 @@ def without(mission: Mission, free: Iterable[Given]) -> Mission:
 
 
 def _freed(agent: Agent, given: Given, space: Polytope | None) -> Agent:
+    """The agent without `given`; controls are widened only, by a factor, lest the model be
+    unbounded.
+    """
     match given.kind:
         case Kind.TURN_RATE:
             return replace(agent, turn_rate=None)

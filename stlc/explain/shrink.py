@@ -157,6 +157,7 @@ def minimal_givens(oracle: Oracle, pieces: Pieces, every: Sequence[Given]) -> tu
 
 
 def one_by_one(every: Sequence[Given], fails: Callable[[Iterable[Given]], bool]) -> list[Given]:
+    """A subset that still fails though no member can be left out; `every` itself must fail."""
     kept = list(every)
     for given in every:
         rest = [g for g in kept if g is not given]

@@ -33,6 +33,7 @@ def conjuncts(requirement: Requirement) -> tuple[Requirement, ...]:
 
 
 def _split(formula: Node) -> tuple[Node, ...]:
+    """Parts that hold together exactly when the formula does, each with a span of its own."""
     if is_atom(formula):
         return (formula,)
     match formula:

@@ -115,6 +115,7 @@ class Const(Node):
 
     @property
     def key(self) -> tuple[object, ...]:
+        """The value."""
         return (self.value,)
 
 
@@ -132,6 +133,7 @@ class Linear(Node):
 
     @property
     def key(self) -> tuple[object, ...]:
+        """Terms, constant and unit."""
         return (self.terms, self.constant, self.unit)
 
 
@@ -155,6 +157,7 @@ class Link(Node):
 
     @property
     def key(self) -> tuple[object, ...]:
+        """All fields that have a meaning: the span is none of them."""
         return (
             self.channel, self.quantity, self.sender, self.receiver,
             self.relation, self.threshold, self.probability, self.shift, self.factor,
@@ -274,10 +277,12 @@ class Timed(Node):
 
     @property
     def key(self) -> tuple[object, ...]:
+        """The cases, one a step."""
         return self.cases
 
     @property
     def children(self) -> tuple[Node, ...]:
+        """The cases: case k is what holds when the formula is asked at step k."""
         return self.cases
 
     def at(self, step: int) -> Node:

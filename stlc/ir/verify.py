@@ -55,6 +55,7 @@ def verify(requirements: Sequence[Requirement], horizon: int, stage: Stage, wher
 
 
 def _fault(node: Node, horizon: int, stage: Stage) -> str:
+    """What is wrong with this node alone at `stage`, or nothing."""
     match node:
         case Linear():
             return _linear_fault(node, horizon)

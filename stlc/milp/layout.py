@@ -71,6 +71,7 @@ def _encoded(
     literals: Mapping[int, int],
     derived: Ints,
 ) -> Encoded:
+    """The receipt in nodes of the formula, not numbers in `flat` (whose last is the root)."""
     nodes = restored(flat)
     made = []
     for number, pairs in choices:

@@ -216,6 +216,7 @@ class _Unroller:
 
 
 def _moved(node: Linear | Link | Not, step: int) -> Node:
+    """A leaf `step` steps later; leaves are shared between steps, hence never changed in place."""
     if step == 0:
         return node
     match node:

@@ -70,6 +70,7 @@ def build(mission: Mission, plan: Plan) -> Figure:
 
 
 def _panels(mission: Mission, plan: Plan, look: dict[str, Look]) -> _Panels:
+    """What there is to show: map only for placed agents, links and inputs in the right column."""
     placed = any(a.dynamics.position is not None for a in mission.agents.values())
     channel = mapped_channel(mission, plan.links)
     below: list[Draw] = []
@@ -91,6 +92,10 @@ def _panels(mission: Mission, plan: Plan, look: dict[str, Look]) -> _Panels:
 
 
 def _lay_out(figure: Figure, panels: _Panels) -> list[tuple[Axes, Draw]]:
+    """Axes for each panel: map above channel and robustness on the left, time series on the right.
+
+    Subfigures rather than a grid: each side is then spaced by its own labels.
+    """
     halves: Any = figure.subfigures(1, 2, squeeze=False, width_ratios=[1.25, 1.0], wspace=0.02)
     left, right = halves[0]
     column = right.subplots(len(panels.right), 1, squeeze=False)[:, 0]

@@ -71,6 +71,7 @@ class Labels:
     def _draw(
         self, text: str, low: Array, high: Array, place: tuple[int, int, str, str], style: Any
     ) -> Any:
+        """One label on the box [low, high]; `place` = (dx, dy, alignments), gaps in points."""
         from matplotlib.patheffects import withStroke
 
         dx, dy, ha, va = place

@@ -42,6 +42,7 @@ def draw_robustness(axes: Axes, mission: Mission, requirements: Sequence[Require
 
 
 def _frame(axes: Axes, names: Sequence[str], remark: str) -> None:
+    """Axes around the bars: names as ticks, room on the right for the values, no frame."""
     axes.axvline(0.0, color="black", linewidth=1.0)
     low = min([0.0, *(bar.get_width() for bar in axes.patches)])  # type: ignore[attr-defined]
     axes.set_xlim(1.1 * low, 1.45)

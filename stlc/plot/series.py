@@ -65,6 +65,10 @@ def _components(
     *,
     hold: bool,
 ) -> None:
+    """One curve a component, or the norm where there are too many; `hold` draws steps.
+
+    `curves` holds one (steps, components) array for each agent; `name` is symbol and unit.
+    """
     symbol, unit = name
     norms = len(curves) > MOST_COMPONENTS
     for agent, values in curves.items():
@@ -87,6 +91,7 @@ def _components(
 
 
 def _component_key(axes: Axes, count: int, symbol: str) -> None:
+    """A key of line styles, which stand for components; colours stand for agents."""
     from matplotlib.lines import Line2D
 
     names = "xyzw"

@@ -47,6 +47,7 @@ def draw_map(axes: Axes, mission: Mission, plan: Plan, look: Mapping[str, Look])
 
 
 def _surroundings(axes: Axes, mission: Mission, labels: Labels) -> None:
+    """Workspace, regions, obstacles and stations, with their labels, below the trajectories."""
     if mission.workspace is not None:
         _fill(axes, [mission.workspace], facecolor="none", edgecolor="black", linewidth=1.2)
     for region in mission.regions.values():

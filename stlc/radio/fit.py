@@ -155,6 +155,10 @@ def fit_channel(samples: Samples, options: FitOptions | None = None) -> FitRepor
 
 
 def _check(samples: Samples, d0: float) -> None:
+    """Refuses samples from which the path-loss line can't be told: FitError with the reason.
+
+    `d0` in metres: distances below it count as d0.
+    """
     if len(samples) < 8:
         raise FitError(f"{len(samples)} samples are too few to fit a channel: at least 8")
     if samples.censored.all():
@@ -185,6 +189,10 @@ def mean_features(samples: Samples, options: FitOptions) -> Array:
 def _model(
     problem: Problem, theta: Array, last: Evaluation, names: tuple[str, ...], options: FitOptions
 ) -> ChannelModel:
+    """The channel at the optimum; the mean's coefficients are those profiled out in `last`.
+
+    L0 [dBm], exponent, then one offset [dB] a device, with its posterior variance [dB^2].
+    """
     at, given = problem.parameters(theta), last.given
     offsets = last.coefficients[FIXED:]
     return ChannelModel(
@@ -227,6 +235,7 @@ def _named(names: tuple[str, ...], values: Array) -> tuple[tuple[str, float], ..
 
 
 def _method(problem: Problem, model: ChannelModel) -> str:
+    """In words: which likelihood was maximised, and how the samples condition the model."""
     count, rows = len(problem.blocks), len(problem.features)
     likelihood = (
         f"exact likelihood of {rows} links"
@@ -248,6 +257,7 @@ def _copies(merged: Merged) -> bool:
 def _notes(
     problem: Problem, model: ChannelModel, samples: Samples, copied: bool
 ) -> tuple[str, ...]:
+    """What the user should doubt about the fit, one sentence each."""
     notes = []
     if copied:
         notes.append("all samples of one link are equal: taken for copies, counted once")

@@ -164,6 +164,11 @@ def _shape(problem: Problem, rows: Ints, length: float) -> _Shape:
 def _factorise(
     problem: Problem, shapes: list[_Shape], at: Parameters, noise: Array
 ) -> list[_Block]:
+    """Cholesky factor, inverse and log-determinant of each block's covariance [dB^2].
+
+    `noise` is the variance of each row's own error [dB^2]; a jitter of 1e-8 of the shadowing is
+    added. KernelError where a block isn't positive definite.
+    """
     from scipy.linalg.lapack import dpotrf, dpotri
 
     blocks = []

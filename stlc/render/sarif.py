@@ -45,6 +45,7 @@ def _rule(kind: type[Diagnostic]) -> dict[str, Any]:
 
 
 def _result(diagnostic: Diagnostic, rule: int) -> dict[str, Any]:
+    """A `result` object of SARIF 2.1.0, section 3.27."""
     parts = (diagnostic.title_text, diagnostic.label_text, diagnostic.help_text)
     result: dict[str, Any] = {
         "ruleId": diagnostic.code,

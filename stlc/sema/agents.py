@@ -198,6 +198,7 @@ def _weights(
     scope: Scope,
     env: Env,
 ) -> Array:
+    """One weight for each of `names`, from a number or a tuple; never negative, without units."""
     item = block.get(key)
     if item is None:
         return np.full(len(names), default)
@@ -238,6 +239,11 @@ def turn_rate(block: props.Block, made: Agent, scope: Scope, env: Env) -> TurnRa
 def _turn_rate(
     item: ast.Property, made: Agent, literal: bool, options: dict[str, float]
 ) -> TurnRate:
+    """The turning rate's limits: the tightest of the agent's speeds [m/s] and inputs.
+
+    Mistake without velocity, two inputs and finite limits, and for `literal` at rest, which freezes
+    the agent.
+    """
     velocity = made.dynamics.velocity
     speeds = [b.limit for b in made.state_norms if b.indices == velocity]
     if velocity is None or len(made.dynamics.inputs) != 2:

@@ -75,6 +75,11 @@ def _each(items: Iterable[S], declare: Callable[[S], object], report: Report) ->
 
 
 def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files: Files) -> Mission:
+    """The mission: step, places, agents, radio, then the formulas that refer to them.
+
+    Mistakes of one statement are reported and the next is read. The horizon comes last: it follows
+    from the formulas.
+    """
     report, shaper = scope.report, Shaper(scope, files)
     _step(_single(statements, ast.Step, report), scope)
     _each(_of(statements, ast.Param), lambda s: scope.value(s.value), report)
@@ -183,6 +188,7 @@ def _single(statements: list[ast.Statement], kind: type[S], report: Report) -> S
 
 
 def _step(statement: ast.Step | None, scope: Scope) -> None:
+    """The sampling time [s], or the default."""
     if statement is None:
         return
     with scope.report.guard():
@@ -196,6 +202,7 @@ def _step(statement: ast.Step | None, scope: Scope) -> None:
 
 
 def _horizon(statement: ast.Horizon | None, scope: Scope) -> int | None:
+    """The steps that the file asks for; one where they can't be read, for what follows to go on."""
     if statement is None:
         return None
     with scope.report.guard():
@@ -247,6 +254,7 @@ def _carried_on(
 
 
 def _requirements(statements: list[ast.Statement], scope: Scope) -> list[Requirement]:
+    """All that can be read, under their own names or the next free `requirementN`."""
     margin = 0.0
     statement = _single(statements, ast.Margin, scope.report)
     if statement is not None:

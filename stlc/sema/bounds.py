@@ -150,6 +150,7 @@ def _add(
     bounds: Bounds,
     scope: Scope,
 ) -> None:
+    """Draws `bounds` in to [low, high], in SI units; speeds and lengths of vectors become norms."""
     low, high = ends
     if target.magnitude:
         if high < 0:
@@ -188,6 +189,7 @@ def _norm(
 def _polygon(
     item: ast.Property, words: tuple[ast.Expr, ...], scope: Scope
 ) -> tuple[int, PolygonKind]:
+    """Number of sides and kind of a norm's polygon from the words behind a bound."""
     sides, kind = DEFAULT_SIDES, PolygonKind.INSCRIBED
     rest = list(words)
     while rest:
@@ -223,6 +225,7 @@ def _target(expr: ast.Expr, dynamics: Dynamics) -> Target | None:
 
 
 def _named(text: str, dynamics: Dynamics) -> Target | None:
+    """What a name bounds: one state or input, a speed, a place, all inputs or states; else None."""
     if text in dynamics.states:
         return Target("state", (dynamics.states.index(text),), False)
     if text in dynamics.inputs:

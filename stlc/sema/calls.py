@@ -151,6 +151,7 @@ def _norm_inf(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
 
 
 def _norm2(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
+    """`norm2` of two numbers, by a polygon that is sound for the sign under which it stands."""
     items = _spread(expr, args)
     if len(items) != 2:
         raise Mistake(
@@ -201,6 +202,8 @@ def _distance(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
 
 
 def _function(compute: Callable[[float], float]) -> Builtin:
+    """A function of one constant, such as `sqrt`; a Mistake where it has no finite value."""
+
     def builtin(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
         need(expr, (1,), f"{expr.function.text}(x)")
         x = as_scalar(args[0], expr.span)

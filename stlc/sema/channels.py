@@ -144,6 +144,7 @@ def channel(statement: ast.ChannelDecl, scope: Scope, files: Files) -> Channel:
 def _partition(
     statement: ast.ChannelDecl, reader: Reader, model: ChannelModel | None, scope: Scope
 ) -> Partition:
+    """The cells of the channel's table; Reported where the workspace itself couldn't be read."""
     item, name = reader.block.get("partition"), statement.name
     if item is None and model is None:
         why = "the table is over its cells"
@@ -186,6 +187,7 @@ def _d0(reader: Reader) -> float:
 
 
 def _prior(statement: ast.ChannelDecl, reader: Reader) -> ChannelModel:
+    """The model from the file's own parameters: L0 [dBm], n, variances [dB^2], length [m]."""
     from stlc.radio.gp import ChannelModel
     from stlc.radio.kernel import KernelName
 
@@ -249,6 +251,7 @@ def _packet(reader: Reader) -> float | None:
 
 
 def _check_fading(reader: Reader, model: ChannelModel, budget: LinkBudget) -> None:
+    """A Rayleigh modulation averages over fading already: fading of its own would count twice."""
     modulation = budget.modulation
     if modulation is None or not modulation.rayleigh or model.fading == 0:
         return

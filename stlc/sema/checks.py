@@ -46,6 +46,7 @@ def checked(mission: Mission, scope: Scope) -> Mission:
 
 
 def _places(mission: Mission, scope: Scope) -> None:
+    """Warns of regions outside the workspace, and of obstacles that are nowhere in it."""
     space = mission.workspace
     if space is None:
         return
@@ -81,6 +82,7 @@ def _start(agent: Agent, mission: Mission, scope: Scope) -> None:
 
 
 def _misplaced(agent: Agent, space: Polytope | None) -> str:
+    """In words, why the agent can't start where it does; nothing if it can."""
     rows = agent.dynamics.position
     if space is not None and rows is not None:
         place = rows @ agent.start
@@ -114,6 +116,7 @@ def _inside(agent: Agent, obstacle: Obstacle) -> bool:
 
 
 def _requirements(mission: Mission, scope: Scope) -> None:
+    """Warns of what no run satisfies, what every run does, and what the start rules out."""
     if not mission.requirements and not scope.report.errors:
         scope.report.add(NoRequirement(span=mission.source.span(0, 0)))
     known = boxes(mission.agents, mission.workspace)

@@ -86,6 +86,11 @@ def at_least_zero(scalar: Scalar, span: Span, positive: bool) -> Node:
 
 
 def _unfold(scalar: Scalar, span: Span, positive: bool) -> Node:
+    """`scalar >= 0` without min, max, abs and lengths, one of them after the other.
+
+    Each becomes a conjunction or disjunction over its arguments, by its kind and its coefficient's
+    sign.
+    """
     if not scalar.folds:
         return _leaf(scalar, span)
     # Lengths last: what stands behind them is then linear but for them.
@@ -138,6 +143,7 @@ def _plus(a: Scalar, b: Scalar) -> Scalar:
 def _join(
     kind: type[And] | type[Or], parts: tuple[Node, ...], span: Span, norms: Norms | None
 ) -> Node:
+    """One connective over `parts`, without repetitions; those of the same kind are taken in."""
     flat: list[Node] = []
     for part in parts:
         # Within lengths of their own the parts are no more than faces.
@@ -164,6 +170,7 @@ def unit_name(scalar: Scalar) -> str:
 
 
 def _link(scalar: Scalar, links: list[tuple[LinkAtom, float]], span: Span) -> Link:
+    """`a quality + b >= 0` as a threshold in the quality's unit; `factor` keeps the scale."""
     if len(links) > 1:
         raise Mistake(BadLink(span=span, problem="two link qualities stand in one comparison"))
     if len(scalar.terms) > 1:

@@ -151,6 +151,7 @@ _ONCE = "list it once; a weight makes it count more: `2 * effort(r1)`"
 def _link_cost(
     expr: ast.Expr, args: tuple[ast.Expr, ...], weight: float, env: Env, scope: Scope
 ) -> ObjectiveTerm:
+    """`link_cost([channel,] pairs)`, by default of the named pairs, or of the only one."""
     values = [scope.value(a, env) for a in args]
     if values and isinstance(values[0], ChannelName):
         name = values.pop(0)
@@ -229,6 +230,7 @@ def _check_tables(channel: Channel, pairs: tuple[Pair, ...], span: Span) -> None
 def _robustness(
     expr: ast.Expr, args: tuple[ast.Expr, ...], weight: float, env: Env, scope: Scope
 ) -> ObjectiveTerm:
+    """`robustness([requirement,] [scale(...)])`, over all requirements where none is named."""
     requirement: str | None = None
     scales: dict[str, float] = {}
     for arg in args:

@@ -98,6 +98,7 @@ def _length(edge: Edge) -> float:
 
 
 def _merge_in_order(parts: list[Ring], order: Callable[[Edge], tuple[float, ...]]) -> list[Ring]:
+    """Joins parts over common edges as long as the union stays convex, edges in `order`."""
     rings: dict[int, Ring] = dict(enumerate(parts))
     owner: dict[Edge, int] = {e: k for k, ring in rings.items() for e in edges(ring)}
     for edge in sorted((e for e in owner if (e[1], e[0]) in owner and e < (e[1], e[0])), key=order):

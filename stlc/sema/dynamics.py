@@ -124,6 +124,7 @@ def from_matrices(statement: ast.DynamicsDecl, block: props.Block, scope: Scope)
 def _matrices(
     statement: ast.DynamicsDecl, block: props.Block, scope: Scope
 ) -> tuple[Array, Array, Array]:
+    """A (n, n), B (n, m) and the drift c (n,); a Mistake at the matrix that doesn't fit."""
     a, b = (_matrix(statement, block, key, scope) for key in ("A", "B"))
     n = len(a)
     if a.shape != (n, n):
@@ -165,6 +166,7 @@ def _between(block: props.Block, given: Flow, dt: float) -> tuple[Flow | None, b
 
 
 def _names(block: props.Block, key: str, letter: str, count: int) -> tuple[str, ...]:
+    """`count` distinct names, or the letter numbered from 0 where the file gives none."""
     item = block.get(key)
     if item is None:
         return tuple(f"{letter}{k}" for k in range(count))
@@ -179,6 +181,7 @@ def _names(block: props.Block, key: str, letter: str, count: int) -> tuple[str, 
 
 
 def _indices(block: props.Block, key: str, states: tuple[str, ...]) -> tuple[int, int] | None:
+    """Indices of the two states that `key` names, or None where it isn't given."""
     item = block.get(key)
     if item is None:
         return None
@@ -247,6 +250,7 @@ def _signals(base: Dynamics) -> dict[str, Value]:
 def _output(
     base: Dynamics, item: ast.Property, env: Env, scope: Scope
 ) -> tuple[Array, Array, float, str]:
+    """The row c, d, constant and unit of an output y = c x + d u + constant."""
     usage = f"output {item.key.text} = {base.states[0]}"
     scalar = scope.scalar(props.only(item, usage), env)
     if scalar.folds:

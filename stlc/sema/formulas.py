@@ -164,6 +164,7 @@ def _compare(
     env: Env,
     scope: Scope,
 ) -> Node:
+    """One comparison; places compare by identity, numbers once min and max are unfolded."""
     if isinstance(left, Chance) or isinstance(right, Chance):
         return links.compare_chance(left, operator, right, spans)
     if isinstance(left, Separation) and isinstance(right, Items):

@@ -30,6 +30,7 @@ def _own_name(file: ast.File, files: Files) -> str:
 def _expand(
     file: ast.File, files: Files, report: Report, path: tuple[str, ...], done: set[str]
 ) -> list[ast.Statement]:
+    """Statements with those of imported files in the place of their imports."""
     found: list[ast.Statement] = []
     for statement in file.statements:
         if isinstance(statement, ast.Import):
@@ -43,6 +44,7 @@ def _expand(
 def _imported(
     statement: ast.Import, files: Files, report: Report, path: tuple[str, ...], done: set[str]
 ) -> list[ast.Statement]:
+    """Statements of one file, nothing if it was imported before; `path` is the way to it."""
     from stlc.syntax.parse import parse
 
     name, span = statement.path.value, statement.path.span

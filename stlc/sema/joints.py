@@ -100,6 +100,11 @@ class _Joints:
         return self.done[node]
 
     def _closed(self, node: Node) -> Node:
+        """The formula with plugs wherever a conjunction keeps an agent out of obstacles that touch.
+
+        What stands under a negation, or left of an implication, needs none: there a gap is
+        harmless.
+        """
         if node in self.known:
             return node
         match node:

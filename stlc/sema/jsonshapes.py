@@ -60,6 +60,7 @@ def _bad(path: ast.String, problem: str, hint: str | None = None) -> BadGeoJson:
 
 
 def _geometries(data: Any, feature: str | None, path: ast.String) -> list[Any]:
+    """Geometries of a GeoJSON object (RFC 7946), all of them or those of the named feature."""
     if not isinstance(data, dict):
         raise Mistake(_bad(path, "not a GeoJSON object"))
     features = data.get("features", [data] if data.get("type") == "Feature" else None)
@@ -85,6 +86,7 @@ def _names(feature: dict[str, Any]) -> list[str]:
 
 
 def _polygons(geometry: Any, path: ast.String) -> list[Rings]:
+    """Rings of each polygon of a geometry; points and lines have none."""
     if not isinstance(geometry, dict):
         return []
     coordinates = geometry.get("coordinates")

@@ -78,6 +78,7 @@ def _arity(expr: ast.Call, usage: str) -> WrongArity:
 
 
 def _ends(expr: ast.Call, values: tuple[Value, ...]) -> tuple[str, str]:
+    """Names of sender and receiver: two different ones, not both stations."""
     things = tuple(_radio(v, expr.span) for v in values)
     a, b = things
     if a.name == b.name:

@@ -133,6 +133,7 @@ def index(expr: ast.Index, env: Env, scope: Scope) -> Value:
 
 
 def _member(base: Members | Items, number: int, span: Span) -> Value:
+    """`base[number]`: the member of that number in a family, counted from 0 elsewhere."""
     if isinstance(base, Items) and base.what == "family":
         for item in base.items:
             if isinstance(item, Radio) and item.name.endswith(f"[{number}]"):

@@ -34,6 +34,7 @@ def membership(expr: ast.Membership, env: Env, scope: Scope) -> Node:
 
 
 def _relate(subject: Value, place: Value, expr: ast.Membership, scope: Scope) -> Node:
+    """`subject in place` over all points and places of lists; built once for equal questions."""
     if isinstance(subject, Items) and not _is_point(subject):
         return And(tuple(_relate(s, place, expr, scope) for s in subject.items))
     if isinstance(subject, Scalar):
@@ -56,6 +57,7 @@ def _is_point(items: Items) -> bool:
 
 
 def _against(subject: Value, place: Place, expr: ast.Membership, scope: Scope) -> Node:
+    """One point or number pair against one place, with the claim that the verifier judges."""
     where = point(subject, expr.subject.span)
     sweeps, inside = _sweeps(place, expr), expr.relation == "in"
     node = keep(where, sweeps, inside, expr.swept, scope, expr.span)

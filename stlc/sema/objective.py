@@ -38,6 +38,7 @@ def sense(statements: Sequence[ast.Objective]) -> Sense:
 def _collect(
     expr: ast.Expr, weight: float, env: Env, scope: Scope, terms: list[ObjectiveTerm]
 ) -> None:
+    """Appends the terms of an expression, weights multiplied out, lets and sums expanded."""
     first, added = _summands(expr)
     if added:
         _collect(first, weight, env, scope, terms)
@@ -135,6 +136,7 @@ def finish(
 def _check_units(
     term: ObjectiveTerm, requirements: tuple[Requirement, ...], report: Report
 ) -> None:
+    """Robustness in several units (metres, dB) is compared only with a scale for each of them."""
     chosen = [r for r in requirements if term.requirement in (None, r.name)]
     if not chosen:
         hint = "add a `require`, or leave robustness out"

@@ -80,6 +80,7 @@ def _auto(item: ast.Property | None, model: ChannelModel | None, scope: Scope) -
 
 
 def _grid(item: ast.Property, args: tuple[ast.Expr, ...], scope: Scope) -> Partition:
+    """Cells from counts or edges [m] along both axes."""
     from stlc.radio.partition import grid
 
     assert scope.workspace is not None, "the channel was refused"
@@ -99,6 +100,7 @@ def _grid(item: ast.Property, args: tuple[ast.Expr, ...], scope: Scope) -> Parti
 def _edges(
     item: ast.Property, expr: ast.Expr, ends: tuple[float, float], scope: Scope
 ) -> list[float]:
+    """Edges along one axis [m]: evenly many, or the file's own, which increase and cover `ends`."""
     value = scope.value(expr)
     if not isinstance(value, Items):
         count = scope.whole(expr)

@@ -61,6 +61,7 @@ class StaticRange:
         return found
 
     def _compute(self, node: Node, first: bool) -> Interval:
+        """An interval that holds the robustness at the start (`first`), or at any step."""
         match node:
             case Const(value=value):
                 return (inf, inf) if value else (-inf, -inf)
@@ -137,6 +138,7 @@ def _hull(parts: list[Interval]) -> Interval:
 
 
 def _link(node: Link) -> Interval:
+    """The quality's natural range against the threshold; a chance is left open."""
     if node.probability is not None:
         return -inf, inf
     low, high = _QUANTITY.get(node.quantity, (-inf, inf))
@@ -167,6 +169,7 @@ def _pairs(lower: Array, upper: Array) -> list[Interval]:
 
 
 def _state_box(agent: Agent, workspace: Polytope | None) -> tuple[Array, Array]:
+    """Bounds of the states, with the workspace where one state is one coordinate of the place."""
     lower, upper = agent.state_lower.copy(), agent.state_upper.copy()
     rows = agent.dynamics.position
     if workspace is not None and rows is not None:

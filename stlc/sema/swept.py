@@ -170,6 +170,7 @@ def _axis(signal: Signal, scope: Scope) -> int | None:
 
 
 def _at(node: Linear, part: Part, degree: int, stage: int, scope: Scope, span: Span) -> Linear:
+    """The predicate at one Bezier point of the motion within a step, as a predicate of samples."""
     terms: dict[Signal, float] = {}
     constant = node.constant
     for signal, coefficient in node.terms:

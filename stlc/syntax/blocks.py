@@ -62,6 +62,7 @@ def _row(properties: Sequence[ast.Property]) -> str:
 
 
 def _body(rows: list[list[ast.Property]], comments: list[ast.Comment], source: Source) -> list[str]:
+    """Lines of a block, each comment above, beside or within the row where it stood."""
     lines: list[str] = []
     for row in rows:
         while comments and comments[0].span.start < row[0].span.start:

@@ -37,6 +37,7 @@ class _Context(Neighbours):
     __slots__ = ()
 
     def run(self) -> list[Token]:
+        """Every token with the terminal that its context gives it."""
         self._header()
         while self.at < len(self.tokens):
             token = self.tokens[self.at]
@@ -56,6 +57,7 @@ class _Context(Neighbours):
     # --- the first words of a statement ------------------------------------------------------
 
     def _header(self) -> None:
+        """The statement's keyword and the name behind it, which is a name whatever it spells."""
         first = self.tokens[0]
         kind = statement_words().get(first.text, "") if first.kind == NAME else ""
         if not kind:
@@ -106,6 +108,7 @@ class _Context(Neighbours):
     # --- words -------------------------------------------------------------------------------
 
     def _word(self, token: Token) -> None:
+        """A word: key of a property, name, part of a shape, or operator, in this order."""
         if self.key_due:
             self.key_due = False
             self._emit("KEY", token, operand=False)
@@ -140,6 +143,7 @@ class _Context(Neighbours):
         return False
 
     def _shape_word(self, token: Token) -> bool:
+        """Words that are keywords in shapes only; False leaves the token to others."""
         text, after = token.text, self._peek()
         opener = {"box": "[", "polygon": "(", "moving": "{"}
         due = self._last in ("EQ", "PLUS", "COLON", "ST_WORKSPACE") and (
@@ -185,6 +189,7 @@ class _Context(Neighbours):
     # --- symbols -----------------------------------------------------------------------------
 
     def _symbol(self, token: Token) -> None:
+        """A symbol, with what it does to the open brackets."""
         text = token.text
         if text in ("(", "["):
             self._open(token)
@@ -209,6 +214,7 @@ class _Context(Neighbours):
             self.key_due = False
 
     def _open(self, token: Token) -> None:
+        """An opening bracket: call or group, index or list, or a temporal operator's interval."""
         blank = bool(self.out) and self.out[-1].end < token.start
         apart = self._in_property and blank
         self.key_due = False
@@ -232,6 +238,7 @@ class _Context(Neighbours):
         self._emit("RPAR" if token.text == ")" else "RSQB", token, operand=frame != "I")
 
     def _bar(self, token: Token) -> None:
+        """`|` is `or` or one side of an absolute value, by whether an operand stands before it."""
         closes = self.operand and bool(self.frames) and self.frames[-1] == "|"
         opens = not self.operand or (self._in_property and self._hugs_here(token))
         if not closes and not opens:

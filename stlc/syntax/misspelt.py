@@ -113,6 +113,7 @@ def _bare_time(source: Source, operator: Token, time: Token) -> Diagnostic:
 
 
 def _operator(source: Source, word: Token, kinds: frozenset[str]) -> Diagnostic | None:
+    """A hint at the operator that a misspelt name is near to (`alwys`, `Until`), or None."""
     known = [text for text, kind in word_terminals().items() if kind in kinds and len(text) > 2]
     near = get_close_matches(word.text.lower(), known, 1, 0.65)
     if not near or word.text == near[0]:

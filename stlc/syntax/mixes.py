@@ -50,6 +50,7 @@ class Mixes:
                 return
 
     def _warn(self, what: str, inner: ast.Expr) -> None:
+        """Warns of a mix of operators whose reading is worth parentheses, which the fix puts in."""
         text = " ".join(inner.span.text.split())
         short = text if len(text) <= _SHOWN else text[: _SHOWN - 2] + ".."
         self.warnings.append(

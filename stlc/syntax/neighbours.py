@@ -100,6 +100,7 @@ class Neighbours:
         return bool(self.frames) and self.frames[-1] == "{"
 
     def _is_operator(self, kind: str, token: Token) -> bool:
+        """Whether a word that can be an operator is one here, and not a name."""
         if kind in ("TRUE", "FALSE"):
             return True
         if kind in QUANTIFIERS:
@@ -171,6 +172,7 @@ class Neighbours:
         return spaced and self._peek(2).start == bar.end
 
     def _begins_operand(self, first: Token, second: Token) -> bool:
+        """Whether an operand can begin with these tokens; two are needed as words can be names."""
         if first.kind == "$END":
             return False
         if first.kind == SYMBOL:

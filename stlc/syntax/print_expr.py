@@ -71,6 +71,7 @@ def show(node: ast.Expr) -> str:
 
 
 def _show_operator(node: ast.Expr) -> str:
+    """An operator with operands in no more parentheses than its precedence needs."""
     match node:
         case ast.Negate():
             return f"-{_at(node.arg, _POWER)}"
@@ -111,6 +112,7 @@ def show_name(text: str) -> str:
 
 
 def show_list(items: tuple[ast.Expr, ...]) -> str:
+    """Expressions joined by commas, without brackets."""
     return ", ".join(map(show, items))
 
 

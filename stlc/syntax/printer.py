@@ -88,6 +88,7 @@ def _statement(
     inner: list[ast.Comment],
     trailing: ast.Comment | None,
 ) -> list[_Item]:
+    """The statement on one line or broken at 100 columns, and comments that must go above it."""
     first, last = statement.span.line, source.position(statement.span.end)[0]
     properties = _properties(statement)
     opening = _opening(source, statement, properties)
@@ -162,6 +163,7 @@ def _head(statement: ast.Statement) -> str:
 
 
 def _named_head(statement: ast.Statement) -> str:
+    """What stands before the block of a statement with a name."""
     match statement:
         case ast.DynamicsDecl():
             kind = f" = {statement.kind.text}" if statement.kind else ""

@@ -72,6 +72,7 @@ class _Splitter:
         self.previous: Token | None = None
 
     def run(self) -> Iterator[Chunk]:
+        """Chunks of tokens, one a statement; newlines are kept within braces only."""
         fresh = True
         words = statement_words()
         for position, token in enumerate(self.tokens):
@@ -95,6 +96,10 @@ class _Splitter:
         yield from self._flush()
 
     def _starts(self, position: int) -> bool:
+        """Whether a keyword at the start of a line begins a statement, even in an open bracket.
+
+        A bracket that was never closed must not swallow the rest of the file.
+        """
         if not self.open and not _continues(self.previous):
             return True
         after = self._after(position)
@@ -114,6 +119,7 @@ class _Splitter:
         return first, second
 
     def _bracket(self, token: Token) -> None:
+        """Keeps count of what is open; blames what doesn't close, or is too deep, and goes on."""
         if token.text in CLOSING:
             self.open.append(token)
             if len(self.open) > MAX_DEPTH:

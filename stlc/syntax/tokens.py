@@ -34,6 +34,7 @@ def _alternatives(words: frozenset[str]) -> str:
 
 @cache
 def _pattern() -> re.Pattern[str]:
+    """One alternative a kind of token, the first that matches wins; blanks are skipped before."""
     unit = rf"(?:{_alternatives(UNITS)})(?:\^-?\d+)?"
     symbols = {
         text

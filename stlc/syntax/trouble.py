@@ -101,6 +101,7 @@ def _depth_before(raw: list[Token], start: int) -> int:
 
 
 def _unknown_statement(trouble: Trouble) -> Explained:
+    """A line without a keyword; the nearest one is read instead, so that more is found."""
     token = trouble.token
     before = tuple(t for t in trouble.raw if t.start < token.start)
     rest = [t for t in trouble.raw if t.start >= token.start]

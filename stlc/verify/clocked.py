@@ -45,6 +45,7 @@ def by_the_clock(cases: Sequence[Node], trace: Trace, scaled: Scaled) -> Array |
 
 
 def _joined(first: And | Or, cases: Sequence[Node], trace: Trace, scaled: Scaled) -> Array | None:
+    """Conjunctions (or disjunctions) argument by argument; None if their widths differ."""
     if not first.args or any(len(c.children) != len(first.args) for c in cases):
         return None
     parts = []

@@ -102,6 +102,7 @@ class Evaluator:
         return self._given[id(node)]
 
     def _judge(self, node: Node, positive: bool) -> None:
+        """Values `node` under its polarity, once for each class of equal nodes with equal parts."""
         # Hash-consing on the way: equality of deep nodes is recursive, equality of classes isn't.
         given = self._known(node)
         if given is not None:
@@ -177,6 +178,7 @@ def _postorder(
 
 
 def _value(node: Node, parts: list[Array], trace: Trace, positive: bool) -> Array:
+    """Robustness at each step that can still be judged, from the children's; (steps[, runs])."""
     match node:
         case Const(value=value):
             return trace.filled(trace.length, np.inf if value else -np.inf)
@@ -199,6 +201,7 @@ def _value(node: Node, parts: list[Array], trace: Trace, positive: bool) -> Arra
 
 
 def _boolean(node: Node, parts: list[Array], trace: Trace) -> Array:
+    """Connectives over steps; `parts` of Iff are both sides, then both under negation."""
     match node:
         case Not():
             return -parts[0]

@@ -109,6 +109,10 @@ class Body:
         return self._forms[outlines]
 
     def _stay(self, t: int) -> Stay | None:
+        """The body within step t: at rest, translated evenly, or the hulls where its shape changes.
+
+        None where its corners move by different amounts: it is then turned, and judged at times.
+        """
         rest = self.at(t)
         if t >= self.track.frames[-1][0]:
             return rest

@@ -102,6 +102,10 @@ class DiveSearch:
             return self._run(most, references)
 
     def _run(self, most: int, references: Iterator[Floats]) -> tuple[Floats | None, int]:
+        """Dives near each reference, then restarts with shaken preferences under growing limits.
+
+        Returns a point or None, and the LPs that were spent; `most` bounds the restarts' LPs.
+        """
         if not self._solve():
             return None, self.lps
         limit = max(tuning.DIVE.first_limit, tuning.DIVE.per_choice * len(self.groups))

@@ -93,6 +93,7 @@ class Beam:
         return self._trace(layers)
 
     def _trace(self, layers: Sequence[Layer]) -> Run | None:
+        """The cheapest run whose formula is settled at the end, followed back by parents."""
         done = [k for k, open_ in enumerate(layers[-1].opens) if not open_]
         ends = np.flatnonzero(np.isin(layers[-1].progress, done))
         if not len(ends):
@@ -106,6 +107,7 @@ class Beam:
         return np.array(states[::-1]), np.array(inputs[::-1][1:])
 
     def _advance(self, layer: Layer, t: int) -> Layer | None:
+        """The next layer, every state under every control that ranges allow; None if empty."""
         controls = self._allowed_controls(t)
         if not len(controls):
             return None
@@ -135,6 +137,7 @@ class Beam:
         return np.asarray(u[fine])
 
     def _in_ranges(self, x: Floats, t: int) -> Bools:
+        """Which of x (n, states) keep ranges, norms and workspace at step t, up to `judge.miss`."""
         slack = 1e-7 + np.where(self._placed, self.judge.miss, 0.0)
         low, high = self.ranges.state_lower[t] - slack, self.ranges.state_upper[t] + slack
         fine = ((x >= low) & (x <= high)).all(axis=1)
@@ -224,6 +227,11 @@ class Beam:
         return order[~beaten]
 
     def _best(self, moves: Moves, progress: Ints, cost: Floats, kept: Ints, agenda: Agenda) -> Ints:
+        """The beam's width of `kept`, by cost so far and the way to go (per metre and per step).
+
+        Half of them are the best of all, half the best of each set of tasks left, so that none dies
+        out.
+        """
         if not len(kept):
             return kept
         way, late = self._way_to_go(moves.after[kept], progress[kept], agenda, moves.step)

@@ -62,6 +62,7 @@ class Judge:
         return done[node]
 
     def _holds(self, node: Node, source: int, moves: Moves, done: dict[Node, Bools]) -> Bools:
+        """Which moves satisfy an unrolled formula at the level of its requirement `source`."""
         match node:
             case And(args=args):
                 parts = [self.holds(a, source, moves, done) for a in args]
@@ -78,6 +79,7 @@ class Judge:
         raise TypeError(f"{type(node).__name__} in an unrolled formula")
 
     def _linear(self, node: Linear, level: float, moves: Moves) -> Bools:
+        """A predicate on n moves, others on their runs; true while one of them has none."""
         value = np.full(len(moves.after), node.constant)
         for signal, weight in node.terms:
             if signal.owner == moves.agent:
@@ -96,6 +98,7 @@ class Judge:
         return float(runs[signal.owner][signal.shift, signal.index])
 
     def _link(self, node: Link | Not, level: float, moves: Moves) -> Bools:
+        """A threshold by the tables over cells; true while an end has no run, false off them."""
         link = link_of(node)
         found = self.tables.thresholds(link)
         table = found.low if isinstance(node, Link) else -found.high

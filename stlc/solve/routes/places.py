@@ -149,6 +149,10 @@ class Places:
         return np.asarray(np.minimum(found, _FAR))
 
     def _graph(self) -> object:
+        """Cells with their eight neighbours, lengths in metres, as a symmetric sparse matrix.
+
+        Ways through one blocked middle cost four times their length: cells may be half free.
+        """
         from scipy.sparse import csr_matrix
 
         number = np.arange(len(self.free)).reshape(self.shape)

@@ -116,6 +116,11 @@ class Play:
     def _step(
         self, t: int, opens: Sequence[Open], where: Ints, which: Ints, cost: Floats
     ) -> tuple[list[Open], Ints, Ints, Floats] | None:
+        """All moves of step t: the cheapest cost of each open formula and cell.
+
+        `where`, `which`, `cost` are parallel: cell, index in `opens`, cost so far. None where
+        there would be too many states.
+        """
         moves = self.moves
         if len(where) * len(moves) > MOST_STATES:
             return None

@@ -91,6 +91,7 @@ class Progress:
             self.starting.setdefault(first, []).append(number)
 
     def _formula(self, node: Node, source: int, done: dict[Node, int]) -> int:
+        """The number of a formula here: an atom where it asks of one step, else its parts."""
         if node in done:
             return done[node]
         start, end = span_of(node)
@@ -169,6 +170,7 @@ class Progress:
         return args if kind == "or" else frozenset((number,))
 
     def _rest(self, number: int, step: int, holds: Mapping[int, bool], done: dict[int, int]) -> int:
+        """What is left of formula `number` after `step`, given which atoms held (progression)."""
         if self.first[number] > step:
             return number
         if number not in done:

@@ -50,6 +50,7 @@ def applies(work: Work) -> bool:
 
 
 def _run(work: Work) -> Work | Solution:
+    """A moment for the whole model; then a first plan by beams, better ones, and a bound."""
     moment = work.deadline.share(tuning.ROUTES.share, tuning.ROUTES.glance)
     glance = _solved(work, work.compiled.model, moment.left, work.options.gap)
     if glance is not None and glance.status is Status.OPTIMAL:
@@ -97,6 +98,7 @@ def _with_rows(work: Work, lone: Mapping[str, float]) -> Work:
 
 
 def _first_plan(work: Work) -> Work:
+    """Beams of growing effort; a run is repaired by the model in tubes of growing radius."""
     deadline = work.deadline.share(tuning.ROUTES.share, tuning.ROUTES.seconds)
     routes = Routes.of(work.compiled, deadline.over)
     for width, parts, miss, greed in tuning.ROUTES.efforts:

@@ -81,6 +81,10 @@ class Answers:
         return frozenset(o for o in others if not all(alike(name, o, runs) for name in free))
 
     def _once(self, free: Sequence[str], held: Runs, runs: Runs, effort: Effort) -> Answer:
+        """The model of the `free` agents against the runs of `held`, started from `runs`.
+
+        An answer without runs is settled only where there is proven to be none.
+        """
         nothing = frozenset[str]()
         if effort.deadline.over():
             return Answer(None, nothing, settled=False)

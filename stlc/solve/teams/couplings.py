@@ -85,6 +85,7 @@ def _priced(compiled: Compiled) -> Iterable[Pair]:
 
 
 def _holds(node: Node, margin: float, runs: Mapping[str, Run]) -> bool:
+    """Whether these runs satisfy a formula without time between two agents."""
     match node:
         case And(args=args):
             return all(_holds(a, margin, runs) for a in args)

@@ -54,6 +54,7 @@ def _falls_apart(work: Work) -> bool:
 
 
 def _solve_apart(work: Work) -> Work | Solution:
+    """Each group's own model; bounds add up, and runs are completed to a point of the whole."""
     runs: dict[str, Run] = {}
     bound, groups = 0.0, groups_of(work.compiled)
     for k, group in enumerate(groups):

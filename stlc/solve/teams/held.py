@@ -109,6 +109,10 @@ class _Held:
         return node
 
     def _linear(self, node: Linear, margin: float) -> Node:
+        """The predicate with held agents' runs put in as constants, one case a step.
+
+        What names agents that are neither free nor held is left out: they aren't planned yet.
+        """
         owners = named(node)
         if owners <= self.team:
             return node
@@ -219,6 +223,7 @@ class _Held:
                 yield from self._link_costs(plain, pair)
 
     def _link_costs(self, term: ObjectiveTerm, pair: tuple[str, str]) -> Iterator[ObjectiveTerm]:
+        """Costs between team and held agents: a term a step, over the held one's cells then."""
         moving = self._moving(pair)
         if self.team.isdisjoint(moving) or not moving <= self.team | self.runs.keys():
             return
