@@ -215,6 +215,16 @@ EXAMPLES: Final[dict[str, tuple[str, str]]] = {
         "require a: eventually[0, 5] r1.x >= 30 m",
         "require a: eventually[0, 5] r1.x >= 3 m",
     ),
+    "E0806": (
+        "require a: always[0, 9000] (r1.x >= 0 m until[0, 9000] r1.y >= 1 m)",
+        "require a: always[0, 5] (r1.x >= 0 m until[0, 5] r1.y >= 1 m)",
+    ),
+    "E0807": (
+        "channel wide { path_loss L0 = -12 dBm, n = 3; partition 100 x 100 }\n"
+        "require a: always[0, 5] rssi(r1, r2, wide) >= -60 dBm",
+        "channel wide { path_loss L0 = -12 dBm, n = 3; partition 10 x 10 }\n"
+        "require a: always[0, 5] rssi(r1, r2, wide) >= -60 dBm",
+    ),
     "W0101": (
         "require a: always[0, 5] r1.x >= 0 m and r1.y >= 0 m",
         "require a: always[0, 5] (r1.x >= 0 m and r1.y >= 0 m)",

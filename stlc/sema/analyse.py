@@ -242,12 +242,13 @@ def _carried_on(
     moving = [s for s in _of(statements, ast.ObstacleDecl) if s.velocity is not None]
     if not moving or scope.report.errors:
         return requirements
+    scope.last_step, scope.placed = steps, 0
+    for statement in moving:
+        with scope.report.guard():
+            shaper.obstacle(statement)
     report, scope.report = scope.report, Report()  # all was reported the first time
-    scope.last_step = steps
     scope.memo.clear()
     scope.requirements.clear()
-    for statement in moving:
-        shaper.obstacle(statement)
     again = joined(_requirements(statements, scope), scope)
     scope.report = report
     return again

@@ -99,17 +99,10 @@ def _length(edge: Edge) -> float:
 
 def _merge_in_order(parts: list[Ring], order: Callable[[Edge], tuple[float, ...]]) -> list[Ring]:
     """Joins parts over common edges as long as the union stays convex, edges in `order`."""
-    rings: dict[int, Ring] = dict(enumerate(parts))
-    owner: dict[Edge, int] = {e: k for k, ring in rings.items() for e in edges(ring)}
-    for edge in sorted((e for e in owner if (e[1], e[0]) in owner and e < (e[1], e[0])), key=order):
-        a, b = owner[edge], owner[(edge[1], edge[0])]
-        union = _joined(rings[a], rings[b], edge) if a != b else None
-        if union is None:
-            continue
-        for e in edges(rings.pop(b)):
-            owner[e] = a
-        rings[a] = union
-    return list(rings.values())
+    rings = _Rings(parts)
+    for edge in sorted((e for e in rings.after if e < (e[1], e[0])), key=order):
+        rings.join(edge)
+    return rings.left()
 
 
 def edges(ring: Ring) -> list[Edge]:
@@ -117,19 +110,58 @@ def edges(ring: Ring) -> list[Edge]:
     return list(zip(ring, (*ring[1:], ring[0]), strict=True))
 
 
-def _joined(a: Ring, b: Ring, edge: Edge) -> Ring | None:
-    """The union across a shared edge (u -> v in a, v -> u in b), if it is convex.
+class _Rings:
+    """Convex rings as chains of directed edges, so that two are joined by looking at the corners of
+    their common edge alone: in constant time, whatever their size."""
 
-    Corners on a straight line are kept: they are where further neighbours meet.
-    """
-    u, v = edge
-    i, j = a.index(v), b.index(u)
-    union = (*a[i:], *a[:i], *(b[j:] + b[:j])[1:-1])
-    count = len(union)
-    if len(set(union)) < count:
-        return None
-    tolerance = 1e-12 * max(_length(e) for e in edges(union)) ** 2
-    left = all(
-        turn(union[k - 1], union[k], union[(k + 1) % count]) >= -tolerance for k in range(count)
-    )
-    return union if left else None
+    def __init__(self, parts: list[Ring]) -> None:
+        chains = [edges(ring) for ring in parts]
+        self.after = {e: f for c in chains for e, f in zip(c, (*c[1:], c[0]), strict=True)}
+        self.before = {f: e for e, f in self.after.items()}
+        self._longest = {e: size for c in chains for size in [max(map(_length, c))] for e in c}
+        self._ring = {e: c[0] for c in chains for e in c}  # one step nearer to a ring's own edge
+
+    def join(self, edge: Edge) -> None:
+        """Take away a common edge (u, v) of two rings if their union is convex.
+
+        Corners on a straight line are kept: they are where further neighbours meet.
+        """
+        back = (edge[1], edge[0])
+        if back not in self.after or self._of(edge) == self._of(back):
+            return
+        one, other = self._of(edge), self._of(back)
+        longest = max(self._longest[one], self._longest[other])
+        # At u and at v: the edge that comes in there, and the one that goes on.
+        bends = (self.before[edge], self.after[back]), (self.before[back], self.after[edge])
+        if not all(_turns_left(*bend, 1e-12 * longest**2) for bend in bends):
+            return
+        for come, go in bends:
+            self.after[come], self.before[go] = go, come
+        for gone in (edge, back):
+            del self.after[gone], self.before[gone]
+        self._ring[other], self._longest[one] = one, longest
+
+    def _of(self, edge: Edge) -> Edge:
+        """The edge that stands for a ring, paths to it halved on the way."""
+        ring = self._ring
+        while ring[edge] != edge:
+            ring[edge] = edge = ring[ring[edge]]
+        return edge
+
+    def left(self) -> list[Ring]:
+        """The rings, each from the first of its edges on."""
+        found, seen = [], set[Edge]()
+        for start in self.after:
+            ring, edge = [], start
+            while edge not in seen:
+                seen.add(edge)
+                ring.append(edge[0])
+                edge = self.after[edge]
+            if ring:
+                found.append(tuple(ring))
+        return found
+
+
+def _turns_left(come: Edge, go: Edge, tolerance: float) -> bool:
+    """Whether a ring goes on to the left or straight; an edge and its own way back don't."""
+    return come[0] != go[1] and turn(come[0], go[0], go[1]) >= -tolerance

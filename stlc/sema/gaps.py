@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import combinations
 
 import numpy as np
 
@@ -18,7 +17,8 @@ from stlc.sema.warnings import NarrowGap
 def narrow_gaps(mission: Mission) -> Iterator[Diagnostic]:
     """A warning for each gap wider than none and narrower than 1 mm, at step 0."""
     obstacles = list(mission.obstacles.values())
-    for one, other in combinations(obstacles, 2):
+    for k, j in _near([o.frames[0] for o in obstacles]):
+        one, other = obstacles[k], obstacles[j]
         gap = _between(one.frames[0], other.frames[0])
         if gap is not None:
             found = NarrowGap(span=one.span, name=one.name, gap=gap, what=f"`{other.name}`")
@@ -32,14 +32,21 @@ def narrow_gaps(mission: Mission) -> Iterator[Diagnostic]:
             yield NarrowGap(span=obstacle.span, name=obstacle.name, gap=gap, what=what)
 
 
+def _near(unions: Sequence[Sequence[Polytope]]) -> list[tuple[int, int]]:
+    """Pairs whose boxes are within 1 mm, in order."""
+    import shapely
+
+    corners = [np.vstack([p.vertices for p in pieces]) for pieces in unions]
+    ends = [(*c.min(axis=0), *c.max(axis=0)) for c in corners]
+    boxes = shapely.box(*np.array(ends).reshape(-1, 4).T)
+    pairs = shapely.STRtree(boxes).query(boxes, predicate="dwithin", distance=PLUG)
+    return sorted((i, j) for i, j in pairs.T.tolist() if i < j)
+
+
 def _between(one: Sequence[Polytope], other: Sequence[Polytope]) -> float | None:
     """The least distance of two unions [m], if they don't touch and it is below 1 mm."""
     import shapely
 
-    boxes = [np.vstack([p.vertices for p in pieces]) for pieces in (one, other)]
-    low = np.maximum(*(box.min(axis=0) for box in boxes))
-    if (low > np.minimum(*(box.max(axis=0) for box in boxes)) + PLUG).any():
-        return None
     a, b = (
         shapely.union_all([shapely.Polygon(p.vertices) for p in pieces]) for pieces in (one, other)
     )

@@ -152,10 +152,13 @@ class _Joints:
         near = self._near()
         for b in _kept(a, near[a.shape], before):
             yield self._conditions((a, b))
+            if not self._plugs((a, b)):
+                continue  # they never touch
             thirds = near[a.shape] & near[b.shape]
             later = [c for c in _kept(a, thirds, before) if id(c) > id(b)]
             for c in (*later, *_kept(a, thirds, own)):
-                yield self._conditions((a, b, c))
+                if self._plugs((a, c)):
+                    yield self._conditions((a, b, c))
 
     def _near(self) -> Mapping[int, frozenset[int]]:
         """For each shape those whose boxes it touches at any time."""
@@ -264,7 +267,7 @@ def _middle(places: Sequence[Place], swept: bool) -> list[Sweeps]:
     found = []
     for sweeps in _steps(places, swept):
         moves = np.array([s.move for s in sweeps])
-        plugs = meeting([s.pieces for s in sweeps]) if np.ptp(moves, axis=0).max() <= 1e-9 else ()
+        plugs = meeting(*(s.pieces for s in sweeps)) if np.ptp(moves, axis=0).max() <= 1e-9 else ()
         found.append(Sweep(plugs, sweeps[0].move))
     return [tuple(found)] if any(s.pieces for s in found) else []
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import combinations
+from math import acos, pi
 
 import numpy as np
 
@@ -19,6 +20,8 @@ from stlc.sema.geometry import contains
 from stlc.sema.seams import plug_over, square
 
 Pieces = Sequence[Polytope]
+Met = tuple[Polytope, Polytope, Contact]
+_CLOSE = 1e-3  # rad that pieces around a point may lack of a full turn, by rounding
 Box = tuple[float, float, float, float]
 
 
@@ -38,28 +41,30 @@ def touching(boxes: Mapping[int, Box]) -> dict[int, frozenset[int]]:
 
 def plugs_between(one: Pieces, other: Pieces) -> tuple[Polytope, ...]:
     """Plugs for the contacts of two unions that are both kept out of, and where these end."""
-    found = [plug_over(a, b, met) for a, b, met in _contacts(one, other)]
-    return (*found, *meeting((one, other)))
+    met = _contacts(one, other)
+    plugs = [plug_over(a, b, contact) for a, b, contact in met]
+    return (*plugs, *_at_ends(met, (one, other)))
 
 
-def meeting(unions: Sequence[Pieces]) -> tuple[Polytope, ...]:
-    """Plugs about ends of contacts that no piece but the unions together have inside.
+def meeting(one: Pieces, other: Pieces, third: Pieces) -> tuple[Polytope, ...]:
+    """Plugs about points that three unions together have inside, and no two of them."""
+    return tuple(_at_ends(_contacts(one, other), (one, other, third)))
 
-    Of three unions, only those at which all meet.
-    """
+
+def _at_ends(met: Sequence[Met], unions: Sequence[Pieces]) -> list[Polytope]:
+    """Plugs about ends of contacts that all unions share and no piece of them has inside."""
     found: list[Polytope] = []
-    for one, other in combinations(unions, 2):
-        for _, _, met in _contacts(one, other):
-            if met.length <= PLUG:
-                continue  # a square is about it
-            for end in (met.start, met.end):
-                around = [[p for p in pieces if contains(p, end, -TOUCH)] for pieces in unions]
-                if all(around) and not any(contains(p, end, TOUCH) for p in found):
-                    found += _inside([p for pieces in around for p in pieces], end)
-    return tuple(found)
+    for _, _, touch in met:
+        if touch.length <= PLUG:
+            continue  # a square is about it
+        for end in (touch.start, touch.end):
+            around = [[p for p in pieces if contains(p, end, -TOUCH)] for pieces in unions]
+            if all(around) and not any(contains(p, end, TOUCH) for p in found):
+                found += _inside([p for pieces in around for p in pieces], end)
+    return found
 
 
-def _contacts(one: Pieces, other: Pieces) -> list[tuple[Polytope, Polytope, Contact]]:
+def _contacts(one: Pieces, other: Pieces) -> list[Met]:
     found = []
     for a in one:
         for b in other:
@@ -74,7 +79,9 @@ def _inside(around: Pieces, place: Floats) -> list[Polytope]:
     and no two meet in it alone, which has its square."""
     import shapely
 
-    if len(around) < 3 or any(contains(p, place, TOUCH) for p in around):
+    if len(around) < 3 or sum(_angle(p, place) for p in around) < 2.0 * pi - _CLOSE:
+        return []
+    if any(contains(p, place, TOUCH) for p in around):
         return []
     met = [contact(a, b) for a, b in combinations(around, 2)]
     if any(m is not None and m.length <= PLUG for m in met):
@@ -86,3 +93,12 @@ def _inside(around: Pieces, place: Floats) -> list[Polytope]:
         return []
     depth = float(whole.boundary.distance(point))
     return [square(place, min(PLUG, (depth + DEEP) / 2.0))]
+
+
+def _angle(piece: Polytope, place: Floats) -> float:
+    """How much of a full turn about a point of its border a piece takes at most [rad]."""
+    here = np.flatnonzero(piece.offsets - piece.normals @ place < TOUCH)
+    if len(here) != 2:
+        return pi if len(here) else 2.0 * pi
+    cosine = float(piece.normals[here[0]] @ piece.normals[here[1]])
+    return pi - acos(min(1.0, max(-1.0, cosine)))

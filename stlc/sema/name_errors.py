@@ -181,15 +181,16 @@ class TooLarge(Diagnostic):
     """A file says in few words what takes too long to write out.
 
     Quantifiers within quantifiers multiply, and definitions that use each other twice with other
-    arguments double at each level. All of it ends up in one model, so what is too large to check
-    is far too large to solve.
+    arguments double at each level; moving obstacles have their polygons at every step. All of it
+    ends up in one model, so what is too large to check is far too large to solve.
     """
 
     code: ClassVar[str] = "E0224"
     title: ClassVar[str] = "this expands to {size}, too many to check"
     label: ClassVar[str] = "too large"
-    help: ClassVar[str] = "use smaller domains, or state it for the instances that matter"
+    help: ClassVar[str] = "{hint}"
     size: str
+    hint: str = "use smaller domains, or state it for the instances that matter"
 
 
 class NoPosition(Diagnostic):

@@ -64,6 +64,7 @@ class Scope:
     uses: dict[Hashable, set[str]] = field(default_factory=dict)
     cost_lets: dict[str, bool] = field(default_factory=dict)
     work: int = 0  # evaluations so far
+    placed: int = 0  # polygons of moving obstacles so far, over their steps
     instances: list[tuple[int, Span]] = field(default_factory=list)  # of the quantifiers around
     depth: int = 0
     step: float = 1.0

@@ -43,13 +43,22 @@ BEYOND = 0.1
 """How far a face on the workspace's border moves, as a share of the workspace's size."""
 
 
+MOST_PAIRS = 60_000
+"""Pairs of touching pieces of one union: some four seconds. All of them crossing each other, they
+make twice as many corners."""
+
+
+class TooManyPairsError(ValueError):
+    """More pieces of a union touch or overlap than can be closed; the message says how many."""
+
+
 def closed(
     pieces: Sequence[Polytope], space: Polytope | None, move: Point = (0.0, 0.0)
 ) -> tuple[Polytope, ...]:
     """The pieces of one union, grown and plugged; see the head of this file.
 
     With a `move` [m], they are to be kept out of while they move by it: a contact with the
-    workspace's border that they leave is no contact.
+    workspace's border that they leave is no contact. Raises TooManyPairsError.
     """
     grown = list(pieces)
     plugs: list[Polytope] = []
@@ -85,16 +94,15 @@ def _joined(grown: list[Polytope]) -> list[Polytope]:
 
 
 def _near(pieces: Sequence[Polytope]) -> list[tuple[int, int]]:
-    """Pairs whose boxes touch, in order."""
-    if len(pieces) < 2:
-        return []
-    low = np.array([p.vertices.min(axis=0) for p in pieces]) - TOUCH
-    high = np.array([p.vertices.max(axis=0) for p in pieces]) + TOUCH
-    pairs = []
-    for i in range(len(pieces) - 1):
-        meets = ((low[i + 1 :] <= high[i]) & (high[i + 1 :] >= low[i])).all(axis=1)
-        pairs += [(i, i + 1 + int(j)) for j in np.flatnonzero(meets)]
-    return pairs
+    """Pairs that may touch, in order."""
+    import shapely
+
+    rings = np.array([shapely.Polygon(p.vertices) for p in pieces])
+    found = shapely.STRtree(rings).query(rings, predicate="dwithin", distance=4.0 * TOUCH)
+    pairs = found[:, found[0] < found[1]]
+    if pairs.shape[1] > MOST_PAIRS:
+        raise TooManyPairsError(f"{pairs.shape[1]:,} pairs of touching pieces")
+    return sorted(map(tuple, pairs.T.tolist()))
 
 
 # --- closing -------------------------------------------------------------------------------------
@@ -114,7 +122,9 @@ def _close(grown: list[Polytope], pair: tuple[int, int], met: Contact) -> list[P
 
 def _over(piece: Polytope, face: int, other: Polytope) -> Polytope | None:
     """The piece grown over a face into the other piece: parallel, or by a gable."""
-    room = float(np.ptp(other.vertices @ piece.normals[face])) / 2.0
+    start, end = _ends(piece, face)
+    width = float(np.ptp(other.vertices @ piece.normals[face]))
+    room = min(width / 2.0, float(np.hypot(*(end - start))))  # far on, others' growth is met
     while room > DEEP:
         moved = shifted(piece, face, room)
         if moved is not None and all(contains(other, p, -1e-9) for p in _ends(moved, face)):
@@ -265,9 +275,10 @@ def _points(pieces: Sequence[Polytope]) -> Iterable[Polytope]:
     whole = whole.buffer(-TOUCH - DEEP, join_style="mitre")
     nodes = shapely.get_coordinates(shapely.union_all([r.boundary for r in rings]))
     nodes = np.unique(nodes.round(9), axis=0)
-    inside = shapely.contains_xy(whole, nodes)
-    for place in nodes[inside]:
-        if any(contains(piece, place, TOUCH) for piece in pieces):
-            continue
+    shapely.prepare(whole)
+    nodes = nodes[shapely.contains_xy(whole, nodes)]
+    held = shapely.buffer(rings, -TOUCH, join_style="mitre")
+    found = shapely.STRtree(shapely.points(nodes)).query(held, predicate="contains")
+    for place in np.delete(nodes, np.unique(found[1]), axis=0):
         depth = float(whole.boundary.distance(shapely.Point(place)))
         yield square(place, min(PLUG, (depth + DEEP) / 2.0))

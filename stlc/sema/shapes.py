@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 from stlc.places import Obstacle, Outline, Polytope, Region, Track
@@ -12,7 +14,7 @@ from stlc.sema.clock import steps
 from stlc.sema.decompose import PolygonError, decompose
 from stlc.sema.files import Files
 from stlc.sema.geometry import Point
-from stlc.sema.name_errors import NotHere, WrongKind
+from stlc.sema.name_errors import NotHere, TooLarge, WrongKind
 from stlc.sema.report import Mistake, Reported
 from stlc.sema.scope import Scope
 from stlc.sema.shape_errors import BadPolygon, EmptyBox, FarAway
@@ -26,6 +28,10 @@ Outlines = tuple[Outline, ...]
 
 FURTHEST = 1e9
 """Largest coordinate [m]: doubles are 1e-7 m apart there, a tenth of a solver's tolerance."""
+
+
+MOST_PLACED = 20_000
+"""Polygons of moving obstacles, over all steps: some three seconds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,16 +143,13 @@ class Shaper:
         try:
             outlines = self.outlines(statement.shape)
             pieces = cut(outlines, statement.shape.span)
+            with _countable(statement.span):
+                inner = seams.overlapping(pieces)
+                outer = seams.closed(pieces, self.scope.workspace)
         except (Mistake, Reported):
             self.scope.broken.add(name)
             raise
-        region = Region(
-            name,
-            seams.overlapping(pieces),
-            statement.name.span,
-            outlines,
-            seams.closed(pieces, self.scope.workspace),
-        )
+        region = Region(name, inner, statement.name.span, outlines, outer)
         self.scope.regions[name] = region
         self.scope.values[name] = Place(region)
 
@@ -155,30 +158,36 @@ class Shaper:
         name = statement.name.text
         try:
             track = self.track(statement)
-            grow = self._inflation(statement)
+            self.place(name, track, self._inflation(statement), statement)
         except (Mistake, Reported):
             self.scope.broken.add(name)
             raise
-        self.place(name, track, grow, statement)
 
     def place(self, name: str, track: Track, grow: float, statement: ast.ObstacleDecl) -> None:
         """Work out where an obstacle is at each step that is known so far."""
+        self._check_count(track, statement)
         outlines = tracks.placed(track, self.scope.step, self.scope.last_step)
         bodies = _bodies(outlines, statement.shape.span)
         frames = tuple(tuple(geometry.inflated(p, grow) for p in body) for body in bodies)
         space = self.scope.workspace
-        obstacle = Obstacle(
-            name,
-            frames,
-            bodies,
-            grow,
-            statement.name.span,
-            track,
-            tuple(seams.closed(frame, space) for frame in frames),
-            tracks.sweeps(outlines, frames, grow, space),
-        )
+        with _countable(statement.span):
+            closings = tracks.barriers(frames, space)
+            sweeps = tracks.sweeps(outlines, frames, closings, grow, space)
+        at = statement.name.span
+        obstacle = Obstacle(name, frames, bodies, grow, at, track, closings, sweeps)
         self.scope.obstacles[name] = obstacle
         self.scope.values[name] = Place(obstacle)
+
+    def _check_count(self, track: Track, statement: ast.ObstacleDecl) -> None:
+        """Raise Mistake where moving obstacles have too many polygons over all their steps."""
+        count = tracks.count(track, self.scope.last_step)
+        count *= max(len(outlines) for _, outlines in track.frames)
+        self.scope.placed += count if count > 1 else 0
+        if self.scope.placed > MOST_PLACED:
+            self.scope.placed -= count
+            size = f"{self.scope.placed + count:,} polygons of moving obstacles over all steps"
+            hint = "use a longer `step` or a shorter horizon, or fewer polygons that move"
+            raise Mistake(TooLarge(span=statement.span, size=size, hint=hint))
 
     def _inflation(self, statement: ast.ObstacleDecl) -> float:
         if statement.inflate is None:
@@ -192,6 +201,16 @@ class Shaper:
         return grow
 
 
+@contextmanager
+def _countable(span: Span) -> Iterator[None]:
+    """Say where a union has more pieces that touch than can be closed."""
+    try:
+        yield
+    except seams.TooManyPairsError as error:
+        hint = "draw its outline as one polygon, or leave out what others cover"
+        raise Mistake(TooLarge(span=span, size=str(error), hint=hint)) from None
+
+
 def cut(outlines: Outlines, span: Span) -> Pieces:
     """Convex pieces of polygons with holes."""
     return tuple(p for o in outlines for p in _polygon(o, span))
@@ -201,9 +220,15 @@ def _polygon(outline: Outline, span: Span) -> Pieces:
     if len(outline.ring) < 3 or any(len(hole) < 3 for hole in outline.holes):
         raise Mistake(BadPolygon(span=span, problem="it needs three corners or more"))
     try:
-        return tuple(decompose(outline.ring, outline.holes))
+        return _decomposed(outline)
     except PolygonError as error:
         raise Mistake(BadPolygon(span=span, problem=str(error))) from None
+
+
+@lru_cache(maxsize=16)
+def _decomposed(outline: Outline) -> Pieces:
+    """A polygon is cut when it is read, and again where it is placed."""
+    return tuple(decompose(outline.ring, outline.holes))
 
 
 def _bodies(outlines: Sequence[Outlines], span: Span) -> tuple[Pieces, ...]:

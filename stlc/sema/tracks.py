@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Sequence
 
 import numpy as np
 
 from stlc.arrays import Floats
 from stlc.places import Outline, Polytope, Sweep, Track
+from stlc.sema.contacts import PLUG
 from stlc.sema.geometry import Point, inflated, polytope, simplified
 from stlc.sema.seams import closed
 
@@ -17,13 +19,17 @@ SAME = 1e-9
 """Corners that move alike to within this much of the shape's size move as one."""
 
 
+def count(track: Track, last: int) -> int:
+    """How many steps an obstacle is placed at."""
+    return max(track.frames[-1][0], last if track.velocity != (0.0, 0.0) else 0) + 1
+
+
 def placed(track: Track, dt: float, last: int) -> list[tuple[Outline, ...]]:
     """The polygons at each step from 0; what doesn't move for ever ends with its last frame."""
     steps = [step for step, _ in track.frames]
-    count = max(steps[-1], last if track.velocity != (0.0, 0.0) else 0) + 1
     found = []
-    for t in range(count):
-        k = max(i for i, step in enumerate(steps) if step <= t)
+    for t in range(count(track, last)):
+        k = bisect_right(steps, t) - 1
         shape = track.frames[k][1]
         if track.linear and k + 1 < len(steps):
             share = (t - steps[k]) / (steps[k + 1] - steps[k])
@@ -108,9 +114,52 @@ def lasting(pieces: Sequence[Polytope], move: Floats) -> list[Polytope]:
     return found
 
 
+def barriers(frames: Sequence[Pieces], space: Polytope | None) -> tuple[Pieces, ...]:
+    """The pieces at each step, seams closed. What moved without turning is closed once."""
+    found: list[Pieces] = []
+    first: Pieces = ()  # the frame that was closed last
+    for pieces in frames:
+        by = _carried(first, pieces, space)
+        if by is None:
+            first, made = pieces, closed(pieces, space)
+        found.append(made if by is None else tuple(translated(p, by) for p in made))
+    return tuple(found)
+
+
+def _carried(one: Pieces, other: Pieces, space: Polytope | None) -> Point | None:
+    """How all pieces moved [m], where that doesn't change what touches the workspace's border."""
+    if not one or [len(p.vertices) for p in one] != [len(p.vertices) for p in other]:
+        return None
+    a, b = (np.vstack([p.vertices for p in pieces]) for pieces in (one, other))
+    if np.ptp(b - a, axis=0).max() > SAME:
+        return None
+    by = float(b[0, 0] - a[0, 0]), float(b[0, 1] - a[0, 1])
+    if space is not None and not np.array_equal(_contact(one, space), _contact(other, space)):
+        return None
+    return by
+
+
+def _contact(pieces: Pieces, space: Polytope) -> Floats:
+    """Which pieces end at which faces of the workspace, or as good as there, and how near.
+
+    A piece that leaves the workspace may touch it later, where its closing would be another.
+    """
+    reach = np.stack([(p.vertices @ space.normals.T).max(axis=0) for p in pieces]) - space.offsets
+    if (reach > 2.0 * PLUG).any():
+        return np.array([np.nan])  # equal to nothing
+    return np.where(reach >= -2.0 * PLUG, reach.round(9), -np.inf)
+
+
+def _leaves(pieces: Pieces, space: Polytope, by: Point) -> bool:
+    """Whether a piece moves away from a face of the workspace that it touches."""
+    near = _contact(pieces, space)
+    return bool(np.isnan(near).any() or ((near > -np.inf) & (space.normals @ by < -SAME)).any())
+
+
 def sweeps(
     outlines: Sequence[tuple[Outline, ...]],
     frames: Sequence[Pieces],
+    closings: Sequence[Pieces],
     grow: float,
     space: Polytope | None,
 ) -> tuple[Sweep, ...]:
@@ -118,16 +167,18 @@ def sweeps(
 
     A shape that keeps its form moves with its pieces, exactly. Any other is within the convex
     hulls of each of its polygons at both ends, corners moving straight; where there are not as many
-    polygons, within the hull of all.
+    polygons, within the hull of all. `closings` are the pieces at each step, closed.
     """
     found = []
     for t in range(len(frames) - 1):
         by = move(outlines[t], outlines[t + 1])
         if by is None:
             found.append(Sweep(closed(_hulls(outlines[t], outlines[t + 1], grow), space)))
-        else:
+        elif space is not None and any(by) and _leaves(frames[t], space, by):
             found.append(Sweep(closed(frames[t], space, by), by))
-    return (*found, Sweep(closed(frames[-1], space)))
+        else:
+            found.append(Sweep(closings[t], by))
+    return (*found, Sweep(closings[-1]))
 
 
 def _hulls(one: Sequence[Outline], other: Sequence[Outline], grow: float) -> Pieces:

@@ -13,6 +13,7 @@ import pytest
 from stlc.api import loads
 from stlc.diagnostics import Diagnostic, catalogue
 from stlc.errors import MissionError
+from stlc.milp.compile import compile_mission
 from stlc.render import render
 from stlc.source import Source
 from stlc.syntax import errors
@@ -21,17 +22,21 @@ from stlc.syntax.read import decode
 
 FOLDER = Path(__file__).parent
 CASES = sorted(FOLDER.glob("*.stl"))
+COMPILED = {"E0806", "E0807"}
 ELSEWHERE = {"E0113", "E0114"}  # too large for a file here: tests/syntax/test_limits.py
 
 
 def diagnose(path: Path) -> tuple[Diagnostic, ...]:
-    """Every diagnostic of a file; those named E01 and W01 stop at the syntax."""
+    """Every diagnostic of a file; those named E01 and W01 stop at the syntax, some are
+    told before a model is built."""
     try:
         source: Source = decode(path.name, path.read_bytes())
         result = parse(source)
         if not result.ok or path.name[1:3] == "01":
             return result.diagnostics
-        return loads(source.text, name=path.name, folder=FOLDER).warnings
+        mission = loads(source.text, name=path.name, folder=FOLDER)
+        compiled = compile_mission(mission).warnings if path.stem[:5] in COMPILED else ()
+        return (*mission.warnings, *compiled)
     except MissionError as error:
         return error.diagnostics
 
