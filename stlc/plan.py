@@ -139,7 +139,7 @@ class Plan:
 
 def read_plan(path: str | os.PathLike[str]) -> Plan:
     """Read a plan. UsageError, with the place, for a file that is missing or isn't a plan."""
-    from stlc.plan_json import read
+    from stlc.plan_reader import read
 
     return read(path)
 

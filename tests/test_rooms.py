@@ -99,7 +99,8 @@ GRAPH = {module: _imports(module) for module in MODULES}
 
 def _room(module: str) -> str:
     room = module.split(".")[1] if "." in module else ""
-    return {"plan_json": "plan", "places": "mission"}.get(room, room)  # rooms in two files
+    parts = {"plan_json": "plan", "plan_reader": "plan", "places": "mission"}
+    return parts.get(room, room)  # rooms in several files
 
 
 def _crossings() -> Iterable[tuple[str, str, str, str]]:

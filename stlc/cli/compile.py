@@ -13,6 +13,7 @@ from stlc.cli.common import check_outputs, compiled_model, load, mission_options
 
 if TYPE_CHECKING:
     from stlc.milp.model import Model
+    from stlc.mission import Mission
 
 
 @click.command("compile")
@@ -64,14 +65,7 @@ def compile_command(
         mission, compile_options(encoding, disable, print_after, partial(_show, as_json), max_size)
     )
     if output is not None:
-        from stlc.milp.writers import write_model
-        from stlc.plan import mission_digest
-
-        made = {
-            "sha256": mission_digest(mission), "params": dict(mission.params),
-            "encoding": encoding, "disable": list(disable),
-        }  # fmt: skip
-        write_model(compiled.model, output, made=made)
+        _write(mission, compiled.model, output, encoding, disable)
         _report(compiled.model, output, quiet=as_json)
     if as_json:
         answer(Statistics.of(compiled).as_dict())
@@ -81,6 +75,18 @@ def compile_command(
         for note in compiled.stats.notes:
             click.echo(note, err=True)
     return 0
+
+
+def _write(
+    mission: Mission, model: Model, output: Path, encoding: str, disable: tuple[str, ...]
+) -> None:
+    """The model's file, and beside it how it was made."""
+    from stlc.milp.writers import write_model
+    from stlc.milp.writers.sidecar import Made
+    from stlc.plan import mission_digest
+
+    made = Made(mission_digest(mission), dict(mission.params), encoding, disable)
+    write_model(model, output, made=made)
 
 
 def _show(quiet: bool, name: str, text: str) -> None:

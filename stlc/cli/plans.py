@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from stlc.cli.answer import answer
 from stlc.cli.common import check_outputs, compiled_model, load, mission_options
 from stlc.errors import ViolationError
+
+if TYPE_CHECKING:
+    from stlc.milp.writers.sidecar import Made
 
 
 @click.command("verify")
@@ -77,21 +81,13 @@ def read_solution_command(
     from stlc.milp.encodings import compile_options
     from stlc.milp.readers import read_solution
     from stlc.milp.writers import safe_names
-    from stlc.milp.writers.sidecar import made_before
-    from stlc.plan import text_digest
     from stlc.solve.judge import Judge
-    from stlc.syntax.read import read_source
 
-    made = made_before(solution, text_digest(read_source(file).text))
-    given = made.get("params", {})
-    told = tuple(f"{name}={value}" for name, value in given.items())
+    made = _made(file, solution)
+    told = tuple(f"{name}={value}" for name, value in made.params.items())
     mission = load(file, (*told, *define), allow_path)
-    compiled = compiled_model(
-        mission,
-        compile_options(
-            encoding or made.get("encoding", "auto"), disable or tuple(made.get("disable", ()))
-        ),
-    )
+    options = compile_options(encoding or made.encoding, disable or made.disable)
+    compiled = compiled_model(mission, options)
     x = read_solution(solution, safe_names(compiled.model)[0])
     check_outputs(output)
     claim = Solution(Status.FEASIBLE, x, compiled.model.objective(x), solver=solution.name)
@@ -100,3 +96,13 @@ def read_solution_command(
         plan.write(output)
     click.echo(report.text())
     return 0
+
+
+def _made(file: Path, solution: Path) -> Made:
+    """How the model beside `solution` was compiled from FILE as it is now; else the defaults."""
+    from stlc.milp.writers.sidecar import Made, made_before
+    from stlc.plan import text_digest
+    from stlc.syntax.read import read_source
+
+    digest = text_digest(read_source(file).text)
+    return made_before(solution, digest) or Made(digest)

@@ -19,54 +19,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from enum import Enum
 
 from stlc.ir.claims import Membership
 from stlc.ir.claims import Motion as Motion
 from stlc.ir.claims import Swept as Swept
 from stlc.ir.norms import Norms
+from stlc.ir.signals import Quantity as Quantity
+from stlc.ir.signals import Relation as Relation
+from stlc.ir.signals import Role as Role
+from stlc.ir.signals import Signal as Signal
 from stlc.source import Span
-
-
-class Role(Enum):
-    """What a signal is of its owner."""
-
-    STATE = "state"
-    INPUT = "input"
-    FREE = "free"  # a recorded signal of `stlc monitor`; the owner is its name, the index 0
-
-
-@dataclass(frozen=True, slots=True)
-class Signal:
-    """One scalar signal, `shift` steps after the step at which the predicate is judged."""
-
-    owner: str
-    role: Role
-    index: int
-    shift: int = 0
-
-    @property
-    def key(self) -> tuple[str, str, int, int]:
-        """Sort key of canonical forms."""
-        return (self.owner, self.role.value, self.index, self.shift)
-
-
-class Relation(Enum):
-    """Sense of a link predicate."""
-
-    AT_LEAST = ">="
-    AT_MOST = "<="
-
-
-class Quantity(Enum):
-    """What a link predicate measures, with its unit."""
-
-    RSSI = "rssi"  # dBm, posterior mean
-    SNR = "snr"  # dB, posterior mean
-    BER = "ber"  # 1, averaged over the posterior
-    BER_AT_MEAN = "ber_at_mean"  # 1, at the posterior mean
-    PRR = "prr"  # 1, packet reception ratio
-    COST = "cost"  # the channel's own link cost
 
 
 @dataclass(frozen=True, slots=True, eq=False)

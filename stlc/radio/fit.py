@@ -138,20 +138,13 @@ def fit_channel(samples: Samples, options: FitOptions | None = None) -> FitRepor
     evidence = evidence_for(prior, merged.samples, last.sites.target, last.sites.noise)
     model = condition_on(prior, evidence, options.centres)
     return FitReport(
-        model=model,
-        path_loss=_path_loss(alone, samples, options),
+        model=model, path_loss=_path_loss(alone, samples, options),
         standard_errors=standard_errors(problem, theta, last, alone),
-        log_likelihood=last.likelihood,
-        log_likelihood_path_loss=alone.log_likelihood,
-        restricted=last.value,
-        samples=len(samples),
-        links=len(evidence),
-        censored=int(samples.censored.sum()),
-        method=_method(problem, model),
-        evidence=evidence,
-        seconds=time.perf_counter() - started,
-        notes=_notes(problem, model, samples, copied),
-    )
+        log_likelihood=last.likelihood, log_likelihood_path_loss=alone.log_likelihood,
+        restricted=last.value, samples=len(samples), links=len(evidence),
+        censored=int(samples.censored.sum()), method=_method(problem, model), evidence=evidence,
+        seconds=time.perf_counter() - started, notes=_notes(problem, model, samples, copied),
+    )  # fmt: skip
 
 
 def _check(samples: Samples, d0: float) -> None:

@@ -74,10 +74,29 @@ def sub_bounds(field: PairField, left: Ends, right: Ends, ask: Ask) -> list[Arra
         most = np.full_like(near, np.sqrt(model.shadowing + extra))
         return [low, high, least, most, low, high, mean.centre]
     rest = expand_rest(field, left, right, near, overlap)
-    least, most = _variance(model.shadowing, rest.interval(), scale)
+    return _with_spread(model.shadowing, (low, high), mean, drift, rest, scale, extra, z)
+
+
+def _with_spread(
+    shadowing: float,
+    ends: Interval,
+    mean: Expansion,
+    drift: Interval,
+    rest: Expansion,
+    scale: list[Array],
+    extra: float,
+    z: float,
+) -> list[Array]:
+    """What `sub_bounds` returns, for the level mean - z sigma.
+
+    `ends` holds the mean; the level has its bound and the one that knows how mean and sigma vary
+    together, whichever is tighter. `extra` is a single sample's own variance [dB^2].
+    """
+    low, high = ends
+    least, most = _variance(shadowing, rest.interval(), scale)
     least, most = least + extra, most + extra
-    level = _level(model.shadowing, mean, drift, rest, scale, (least, most, extra), z)
-    spread = np.maximum(model.shadowing * scale[2] ** 2 * rest.centre, 0.0) + extra
+    level = _level(shadowing, mean, drift, rest, scale, (least, most, extra), z)
+    spread = np.maximum(shadowing * scale[2] ** 2 * rest.centre, 0.0) + extra
     sigma_low, sigma_high = np.sqrt(least), np.sqrt(most)
     weak, strong = (sigma_high, sigma_low) if z >= 0 else (sigma_low, sigma_high)
     return [

@@ -63,16 +63,12 @@ def agent(statement: ast.AgentDecl, name: str, env: Env, scope: Scope) -> Agent:
     """One agent: its dynamics' bounds and its own, the latter first."""
     base, inherited = model_of(statement.dynamics, scope)
     limits = [*base.states, *base.inputs]
-    known = [*PROPERTIES, *limits]
     owner = f"agent `{statement.name.text}`"
-    own = _known(owner, statement.properties, known, scope)
+    own = _known(owner, statement.properties, [*PROPERTIES, *limits], scope)
     keys = {p.key.text for p in own}
     every = [*own, *(p for p in inherited if p.key.text not in keys)]
     block = props.Block(owner, {p.key.text: p for p in every})
-    item = block.get("mass")
-    mass = 1.0 if item is None else scope.number(props.only(item, "mass 1 kg"), KILOGRAM, env)
-    if item is not None and mass <= 0:
-        raise props.bad(item, "must be above 0", "mass 1 kg")
+    mass = _mass(block, env, scope)
     bounds = Bounds(base, mass, env)
     for prop in every:
         if prop.key.text in ("control", "speed", "state", *limits):
@@ -102,6 +98,17 @@ def agent(statement: ast.AgentDecl, name: str, env: Env, scope: Scope) -> Agent:
     with scope.report.guard():
         return replace(made, turn_rate=turn_rate(block, made, scope, env))
     return made
+
+
+def _mass(block: props.Block, env: Env, scope: Scope) -> float:
+    """The agent's mass [kg], 1 where it isn't given."""
+    item = block.get("mass")
+    if item is None:
+        return 1.0
+    mass = scope.number(props.only(item, "mass 1 kg"), KILOGRAM, env)
+    if mass <= 0:
+        raise props.bad(item, "must be above 0", "mass 1 kg")
+    return mass
 
 
 def _tell_of_open_sides(name: str, bounds: Bounds, block: props.Block, scope: Scope) -> None:

@@ -102,21 +102,13 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
     requirements = _carried_on(statements, requirements, steps, shaper)
     swept = holds_between(space, requirements, scope)
     mission = Mission(
-        source=file.source,
-        step=scope.step,
-        horizon=steps,
-        workspace=scope.workspace,
-        agents=scope.agents,
-        stations=scope.stations,
-        regions=scope.regions,
-        obstacles=scope.obstacles,
-        channels=scope.channels,
-        requirements=tuple(requirements),
+        source=file.source, step=scope.step, horizon=steps, workspace=scope.workspace,
+        agents=scope.agents, stations=scope.stations, regions=scope.regions,
+        obstacles=scope.obstacles, channels=scope.channels, requirements=tuple(requirements),
         objective=objective.finish(terms, tuple(requirements), steps, report),
-        sense=objective.sense(_of(statements, ast.Objective)),
-        signals=tuple(scope.signals),
+        sense=objective.sense(_of(statements, ast.Objective)), signals=tuple(scope.signals),
         workspace_swept=swept,
-    )
+    )  # fmt: skip
     return checks.checked(mission, scope)
 
 

@@ -21,28 +21,35 @@ def evaluate(expr: ast.Expr, env: Env, scope: Scope) -> Value:
     match expr:
         case ast.Name():
             return name(expr, env, scope)
-        case ast.Number():
-            return number(expr)
-        case (
-            ast.Comparison()
-            | ast.Membership()
-            | ast.Swept()
-            | ast.Not()
-            | ast.Logical()
-            | ast.Temporal()
-            | ast.TemporalPair()
-        ):
-            return Truth(formula(expr, env, scope))
-        case ast.Quantifier():
-            if expr.kind == "sum":
-                return sum_over(expr, env, scope)
-            return Truth(formula(expr, env, scope))
+        case ast.Quantifier(kind="sum"):
+            return sum_over(expr, env, scope)
         case ast.Call():
             return call(expr, env, scope)
         case ast.Attribute():
             return attribute(expr, env, scope)
         case ast.Index():
             return index(expr, env, scope)
+        case ast.Range():
+            return domain_items(expr, env, scope)
+        case ast.Tuple() | ast.List():
+            kind = "tuple" if isinstance(expr, ast.Tuple) else "list"
+            return Items(tuple(scope.value(e, env) for e in expr.items), kind)
+        case ast.Number() | ast.Arithmetic() | ast.Negate() | ast.Absolute():
+            return _numeric(expr, env, scope)
+        case ast.Bool(value=truth):
+            return Truth(Const(truth, span=expr.span))
+        case ast.String(value=text):
+            return Text(text)
+    return Truth(formula(expr, env, scope))
+
+
+def _numeric(
+    expr: ast.Number | ast.Arithmetic | ast.Negate | ast.Absolute, env: Env, scope: Scope
+) -> Value:
+    """A number, or arithmetic on numbers; the sign of a literal is part of it (`-3 dB`)."""
+    match expr:
+        case ast.Number():
+            return number(expr)
         case ast.Arithmetic():
             return arithmetic(expr, env, scope)
         case ast.Negate():
@@ -50,17 +57,6 @@ def evaluate(expr: ast.Expr, env: Env, scope: Scope) -> Value:
             return scalars.negate(scope.scalar(expr.arg, env), expr.span, literal)
         case ast.Absolute():
             return scalars.absolute(scope.scalar(expr.arg, env), expr.span)
-        case ast.Tuple():
-            return Items(tuple(scope.value(e, env) for e in expr.items), "tuple")
-        case ast.List():
-            return Items(tuple(scope.value(e, env) for e in expr.items), "list")
-        case ast.Range():
-            return domain_items(expr, env, scope)
-        case ast.Bool(value=truth):
-            return Truth(Const(truth, span=expr.span))
-        case ast.String(value=text):
-            return Text(text)
-    raise Mistake(WrongKind(span=expr.span, expected="an expression", found="something else"))
 
 
 def number(expr: ast.Number) -> Scalar:

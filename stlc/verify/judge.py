@@ -18,7 +18,7 @@ from stlc.verify.lone import lone_samples
 from stlc.verify.motion import motion_violations, norm_notes, residual
 from stlc.verify.objective import objective_violations, term_reports, total
 from stlc.verify.paths import Path, is_known, placed, state_paths
-from stlc.verify.report import Clearance, Report
+from stlc.verify.report import Clearance, Report, RequirementReport, Violation
 from stlc.verify.requirements import SweptOverride, judge, position_findings, requirement_violations
 from stlc.verify.shapes import Bodies
 from stlc.verify.subject import Subject, make_subject, stale
@@ -44,40 +44,45 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
     subject = make_subject(mission, plan, tables)
     cells = CellModel(subject)
     true = TrueModel(subject, cells)
-    length, signals = mission.horizon + 1, subject.signals
-    sampled = Trace(length, signals, cells.robustness)
+    sampled, true_links = (
+        Trace(mission.horizon + 1, subject.signals, links.robustness) for links in (cells, true)
+    )
     states = state_paths(mission, plan.runs)
     motion = placed(mission, states)
     chains = {name: Chain.of(path) for name, path in motion.items()}
     bodies = Bodies(mission)
     override = SweptOverride(mission, motion, chains, Motions(states, plan.runs), bodies)
-    true_links = Trace(length, signals, true.robustness)
     requirements = judge(mission, sampled, true_links, override, bodies)
     terms = term_reports(subject, cells, sampled)
     objective = total(terms)
     findings = list(position_findings(mission, requirements))
-    violations = [
-        *motion_violations(subject),
-        *workspace_violations(mission, motion),
-        *requirement_violations(mission, requirements),
-        *passages(mission, chains, bodies),
-        *lone_samples(mission, chains, bodies),
+    violations = (
+        *_violations(subject, requirements, motion, chains, bodies),
         *(v for rigorous, v in findings if rigorous),
         *objective_violations(plan.solve, objective, terms, mission.sense),
-    ]
-    return Report(
-        mission.source.name,
-        tuple(violations),
-        tuple(v for rigorous, v in findings if not rigorous),
-        tuple(_notes(subject, motion)),
-        requirements,
-        objective,
-        terms,
-        _residual(mission, plan),
-        tuple(_clearances(mission, motion, chains, bodies)),
-        link_series(subject, cells, true),
-        mission.sense,
     )
+    return Report(
+        mission.source.name, violations, tuple(v for rigorous, v in findings if not rigorous),
+        tuple(_notes(subject, motion)), requirements, objective, terms, _residual(mission, plan),
+        tuple(_clearances(mission, motion, chains, bodies)), link_series(subject, cells, true),
+        mission.sense,
+    )  # fmt: skip
+
+
+def _violations(
+    subject: Subject,
+    requirements: tuple[RequirementReport, ...],
+    motion: Mapping[str, Path],
+    chains: Mapping[str, Chain],
+    bodies: Bodies,
+) -> Iterator[Violation]:
+    """What the run itself violates: dynamics and bounds, the workspace, requirements, passages."""
+    mission = subject.mission
+    yield from motion_violations(subject)
+    yield from workspace_violations(mission, motion)
+    yield from requirement_violations(mission, requirements)
+    yield from passages(mission, chains, bodies)
+    yield from lone_samples(mission, chains, bodies)
 
 
 def _residual(mission: Mission, plan: Plan) -> float:

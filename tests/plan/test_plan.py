@@ -22,7 +22,8 @@ from stlc.plan import (
     read_plan,
     shifted,
 )
-from stlc.plan_json import parse, to_json
+from stlc.plan_json import to_json
+from stlc.plan_reader import parse
 
 
 def build(horizon=3, scale=0.1):

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import gzip
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from stlc.errors import UsageError
 from stlc.files import atomic_output, write_atomic
@@ -14,7 +13,7 @@ from stlc.milp.model import Model
 from stlc.milp.writers.lp import lp_chunks
 from stlc.milp.writers.mps import mps_chunks
 from stlc.milp.writers.names import safe_names, safe_texts
-from stlc.milp.writers.sidecar import sidecar_json, sidecar_path
+from stlc.milp.writers.sidecar import Made, sidecar_json, sidecar_path
 
 __all__ = ["safe_names", "sidecar_path", "write_model"]
 
@@ -26,7 +25,7 @@ def write_model(
     path: str | os.PathLike[str],
     *,
     sidecar: bool = True,
-    made: Mapping[str, Any] | None = None,
+    made: Made | None = None,
 ) -> None:
     """Write LP or MPS by the suffix (`.gz` compresses), and `PATH.names.json` beside it.
 

@@ -3,13 +3,23 @@
 import gzip
 import json
 import shutil
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.file_solvers import (
+    cbc_file,
+    glpk_file,
+    glpk_solved,
+    gurobi_file,
+    gurobi_solution,
+    highs_file,
+    highs_read,
+    scip_file,
+    scip_solution,
+)
 from support.outside import bundled_cbc, cbc_devel
 
 from stlc.backends import get
@@ -89,15 +99,6 @@ def _rows_by_name(model: Model) -> dict[str, tuple[dict[str, float], float, floa
     return found
 
 
-def _highs_read(path: Path):
-    import highspy
-
-    h = highspy.Highs()
-    h.setOptionValue("output_flag", False)
-    assert h.readModel(str(path)) == highspy.HighsStatus.kOk
-    return h
-
-
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_highs_reads_back_the_exact_model(tmp_path: Path, suffix: str) -> None:
     model = awkward()
@@ -117,7 +118,7 @@ def test_highs_reads_back_random_models_exactly(
 
 
 def _assert_same(model: Model, path: Path) -> None:
-    lp = _highs_read(path).getLp()
+    lp = highs_read(path).getLp()
     names, rows = list(lp.col_names_), list(lp.row_names_)
     mine = safe_names(model)[0]
     place = [names.index(n) for n in mine]
@@ -161,9 +162,9 @@ def test_every_reader_finds_the_same_optimum(tmp_path: Path, suffix: str) -> Non
     write_model(model, path)
     expected = _optimum(model)
     found = {
-        "HiGHS": _highs_file(path), "SCIP": _scip_file(path), "GLPK": _glpk_file(path),
-        "CBC 2.10": _cbc_file(bundled_cbc(), path), "CBC devel": _cbc_file(cbc_devel(), path),
-        "Gurobi": _gurobi_file(path),
+        "HiGHS": highs_file(path), "SCIP": scip_file(path), "GLPK": glpk_file(path),
+        "CBC 2.10": cbc_file(bundled_cbc(), path), "CBC devel": cbc_file(cbc_devel(), path),
+        "Gurobi": gurobi_file(path),
     }  # fmt: skip
     assert found == pytest.approx(dict.fromkeys(found, expected), abs=1e-6)
 
@@ -176,70 +177,8 @@ def test_glpk_and_scip_agree_on_random_files(
     for suffix in ("mps", "lp"):
         path = tmp_path_factory.mktemp("files") / f"m.{suffix}"
         write_model(model, path)
-        assert _glpk_file(path) == pytest.approx(expected, abs=1e-5)
-        assert _scip_file(path) == pytest.approx(expected, abs=1e-5)
-
-
-def _highs_file(path: Path) -> float:
-    h = _highs_read(path)
-    h.setOptionValue("mip_rel_gap", 0.0)
-    h.run()
-    return float(h.getInfo().objective_function_value)
-
-
-def _scip_file(path: Path) -> float:
-    import pyscipopt
-
-    scip = pyscipopt.Model()
-    scip.hideOutput()
-    scip.readProblem(str(path))
-    scip.optimize()
-    return float(scip.getObjVal())
-
-
-def _gurobi_file(path: Path) -> float:
-    import gurobipy
-
-    with gurobipy.Env(params={"OutputFlag": 0}) as env, gurobipy.read(str(path), env) as grb:
-        grb.optimize()
-        return float(grb.ObjVal)
-
-
-def _glpk_problem(path: Path):
-    import swiglpk as glpk
-
-    glpk.glp_term_out(glpk.GLP_OFF)
-    problem = glpk.glp_create_prob()
-    if path.suffix == ".mps":
-        failed = glpk.glp_read_mps(problem, glpk.GLP_MPS_FILE, None, str(path))
-    else:
-        failed = glpk.glp_read_lp(problem, None, str(path))
-    assert failed == 0
-    return problem
-
-
-def _glpk_solved(path: Path):
-    import swiglpk as glpk
-
-    problem = _glpk_problem(path)
-    settings = glpk.glp_iocp()
-    glpk.glp_init_iocp(settings)
-    settings.presolve = glpk.GLP_ON
-    assert glpk.glp_intopt(problem, settings) == 0
-    return problem
-
-
-def _glpk_file(path: Path) -> float:
-    import swiglpk as glpk
-
-    return float(glpk.glp_mip_obj_val(_glpk_solved(path)))
-
-
-def _cbc_file(binary: str, path: Path) -> float:
-    out = path.with_suffix(".cbc.sol")
-    command = [binary, str(path), "-ratio", "0", "-solve", "-solution", str(out)]
-    subprocess.run(command, check=True, capture_output=True, timeout=60)
-    return float(out.read_text().split("\n")[0].split()[-1])
+        assert glpk_file(path) == pytest.approx(expected, abs=1e-5)
+        assert scip_file(path) == pytest.approx(expected, abs=1e-5)
 
 
 def test_solution_files_read_back(tmp_path: Path) -> None:
@@ -250,16 +189,16 @@ def test_solution_files_read_back(tmp_path: Path) -> None:
     write_model(model, path)
     expected = _optimum(model)
     sols = {k: tmp_path / f"{k}.sol" for k in ("highs", "scip", "cbc", "glpk_w", "glpk_o", "grb")}
-    h = _highs_read(path)
+    h = highs_read(path)
     h.run()
     h.writeSolution(str(sols["highs"]), 0)
-    _scip_solution(path, sols["scip"])
-    _cbc_file(bundled_cbc(), path)
+    scip_solution(path, sols["scip"])
+    cbc_file(bundled_cbc(), path)
     shutil.move(path.with_suffix(".cbc.sol"), sols["cbc"])
-    problem = _glpk_solved(path)
+    problem = glpk_solved(path)
     glpk.glp_write_mip(problem, str(sols["glpk_w"]))
     glpk.glp_print_mip(problem, str(sols["glpk_o"]))
-    _gurobi_solution(path, sols["grb"])
+    gurobi_solution(path, sols["grb"])
     for kind, sol in sols.items():
         digits = 1e-4 if kind in ("glpk_o", "cbc") else 1e-6  # 6 and 8 digits
         x = read_solution(sol, names)
@@ -270,24 +209,6 @@ def test_solution_files_read_back(tmp_path: Path) -> None:
 def _broken(model: Model, x: np.ndarray) -> float:
     activity = model.A @ x
     return float(np.maximum(model.row_lower - activity, activity - model.row_upper).max())
-
-
-def _scip_solution(path: Path, sol: Path) -> None:
-    import pyscipopt
-
-    scip = pyscipopt.Model()
-    scip.hideOutput()
-    scip.readProblem(str(path))
-    scip.optimize()
-    scip.writeBestSol(str(sol))
-
-
-def _gurobi_solution(path: Path, sol: Path) -> None:
-    import gurobipy
-
-    with gurobipy.Env(params={"OutputFlag": 0}) as env, gurobipy.read(str(path), env) as grb:
-        grb.optimize()
-        grb.write(str(sol))
 
 
 def test_compressed_files_repeat_byte_for_byte(tmp_path: Path) -> None:
@@ -352,7 +273,7 @@ def test_coefficients_must_be_finite(tmp_path: Path) -> None:
 def test_a_model_without_columns_is_a_valid_file(tmp_path: Path) -> None:
     for suffix in ("mps", "lp"):
         write_model(ModelBuilder("empty", offset=2.0).build(), tmp_path / f"m.{suffix}")
-        assert _highs_file(tmp_path / f"m.{suffix}") == 2.0
+        assert highs_file(tmp_path / f"m.{suffix}") == 2.0
 
 
 @pytest.mark.parametrize("suffix", ["mps", "lp"])
@@ -361,7 +282,7 @@ def test_a_model_without_rows_is_a_valid_file(tmp_path: Path, suffix: str) -> No
     b.add_columns("x", (2,), [-2, 1], [5, 3], cost=[1, 1], integer=True)
     path = tmp_path / f"m.{suffix}"
     write_model(b.build(), path)
-    readers = _highs_file, _scip_file, _glpk_file, _gurobi_file
+    readers = highs_file, scip_file, glpk_file, gurobi_file
     assert [read(path) for read in readers] == pytest.approx([-1.0] * len(readers))
 
 

@@ -1,0 +1,229 @@
+"""Plans read from JSON; whatever is missing or of another type is named with its place."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.errors import UsageError
+from stlc.inputs import InputError, read_input
+from stlc.plan import FORMAT_VERSION, LinkSeries, Plan, RequirementValue, Run, SolveInfo
+from stlc.sense import Sense
+
+Array = NDArray[np.float64]
+_MOST_CELLS = 200  # along an axis: a plan can't ask for tables beyond memory
+
+
+def read(path: str | os.PathLike[str]) -> Plan:
+    """Read a plan file. Raises UsageError, with the place, when it isn't one."""
+    name = os.fspath(path)
+    try:
+        data = read_input(path)
+    except InputError as error:
+        raise UsageError(f"{name}: {error}") from None
+    return parse(data, name)
+
+
+def parse(data: bytes | str, name: str = "plan") -> Plan:
+    """A plan from JSON text. Raises UsageError, with the place, when it isn't one."""
+    try:
+        value = json.loads(data, parse_constant=_refuse_constant, object_pairs_hook=_once_each)
+    except UnicodeDecodeError:
+        raise UsageError(f"{name}: not a plan: the file is not UTF-8 text") from None
+    except json.JSONDecodeError as error:
+        where = f"{name}:{error.lineno}:{error.colno}"
+        raise UsageError(f"{where}: not a plan: {error.msg.lower()}") from None
+    except RecursionError:
+        raise UsageError(f"{name}: not a plan: it is nested too deeply") from None
+    except ValueError as error:
+        raise UsageError(f"{name}: not a plan: {error}") from None
+    return _plan(_Place(name, "", value))
+
+
+def _refuse_constant(word: str) -> float:
+    raise ValueError(f"{word} is no number of JSON")
+
+
+def _once_each(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """An object's members; JSON leaves open which of two with one name counts."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise ValueError(f'"{twice}" is given twice in one object')
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """A JSON value and where it stands, for messages."""
+
+    file: str
+    path: str
+    value: Any
+
+    def fail(self, wanted: str) -> UsageError:
+        """The error that names this place and what was expected there."""
+        where = f" at {self.path.lstrip('.')}" if self.path else ""
+        return UsageError(f"{self.file}: not a valid plan{where}: expected {wanted}")
+
+    def has(self, key: str) -> bool:
+        """Whether it is an object with this key."""
+        return isinstance(self.value, dict) and key in self.value
+
+    def __getitem__(self, key: str) -> _Place:
+        if not isinstance(self.value, dict):
+            raise self.fail("an object")
+        if key not in self.value:
+            raise self.fail(f"a field {key!r}")
+        return _Place(self.file, f"{self.path}.{key}", self.value[key])
+
+    def fields(self) -> dict[str, _Place]:
+        """The places of an object, by key."""
+        if not isinstance(self.value, dict):
+            raise self.fail("an object")
+        return {key: self[key] for key in self.value}
+
+    def items(self) -> list[_Place]:
+        """The places of a list."""
+        if not isinstance(self.value, list):
+            raise self.fail("a list")
+        return [_Place(self.file, f"{self.path}[{i}]", v) for i, v in enumerate(self.value)]
+
+    def text(self) -> str:
+        """A text."""
+        if not isinstance(self.value, str):
+            raise self.fail("a text")
+        return self.value
+
+    def texts(self) -> tuple[str, ...]:
+        """A list of texts."""
+        return tuple(item.text() for item in self.items())
+
+    def number(self) -> float:
+        """A finite number."""
+        value = self.value
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise self.fail("a number")
+        if abs(value) > sys.float_info.max:
+            raise self.fail("a finite number")
+        return float(value)
+
+    def optional(self) -> float | None:
+        """A number, "inf", "-inf" or null."""
+        if self.value is None:
+            return None
+        return float(self.value) if self.value in ("inf", "-inf") else self.number()
+
+    def array(self, rows: int, columns: int) -> Array:
+        """Finite numbers (rows, columns)."""
+        lines = self.items()
+        if len(lines) != rows:
+            raise self.fail(f"{rows} rows, not {len(lines)}")
+        out = np.empty((rows, columns))
+        for i, line in enumerate(lines):
+            cells = line.items()
+            if len(cells) != columns:
+                raise line.fail(f"{columns} numbers, not {len(cells)}")
+            out[i] = [cell.number() for cell in cells]
+        return out
+
+
+def _plan(top: _Place) -> Plan:
+    """A plan from its JSON; UsageError names the place of what is missing or of another type."""
+    if not top.has("format") or top["format"].value != "stlc plan":
+        raise top.fail('an object with "format": "stlc plan"')
+    version = top["version"]
+    if version.value != FORMAT_VERSION:
+        raise version.fail(f"version {FORMAT_VERSION}, which is all that this stlc reads")
+    step, horizon = top["step"], top["horizon"]
+    if step.number() <= 0:
+        raise step.fail("a number of seconds above 0")
+    if horizon.number() < 0 or not isinstance(horizon.value, int):
+        raise horizon.fail("a whole number of steps")
+    length = int(horizon.value)
+    return Plan(
+        top["mission"].text(),
+        top["sha256"].text(),
+        step.number(),
+        length,
+        {name: _read_run(place, length) for name, place in top["agents"].fields().items()},
+        _read_solve(top["solve"]),
+        tuple(_read_requirement(p) for p in top["requirements"].items()),
+        tuple(_read_link(p, length) for p in top["links"].items()),
+        {k: p.value for k, p in top["certificate"].fields().items()},
+        {k: p.text() for k, p in top["params"].fields().items()} if top.has("params") else {},
+        {k: _grid(p) for k, p in top["grids"].fields().items()} if top.has("grids") else {},
+    )
+
+
+def _grid(place: _Place) -> tuple[int, int]:
+    """Cells along x and y of a channel that chose them."""
+    counts = [cell.value for cell in place.items()]
+    whole = all(isinstance(n, int) and 1 <= n <= _MOST_CELLS for n in counts)
+    if len(counts) != 2 or not whole:
+        raise place.fail(f"two whole numbers of cells from 1 to {_MOST_CELLS}")
+    return counts[0], counts[1]
+
+
+def _read_run(place: _Place, horizon: int) -> Run:
+    """One agent's run; arrays have the shapes that horizon and names ask for."""
+    states, inputs = place["state_names"].texts(), place["input_names"].texts()
+    units = place["state_units"].texts(), place["input_units"].texts()
+    for names, of, key in ((states, units[0], "state_units"), (inputs, units[1], "input_units")):
+        if len(names) != len(of):
+            raise place[key].fail(f"{len(names)} units, one for each name")
+    return Run(
+        place["states"].array(horizon + 1, len(states)),
+        place["inputs"].array(horizon, len(inputs)),
+        states,
+        inputs,
+        *units,
+    )
+
+
+def _read_solve(place: _Place) -> SolveInfo:
+    words = {k: place[k].text() for k in ("status", "backend", "solver", "encoding")}
+    figures = {k: place[k].optional() for k in ("objective", "bound", "gap")}
+    seconds = {k: p.number() for k, p in place["seconds"].fields().items()}
+    return SolveInfo(
+        words["status"], figures["objective"], figures["bound"], figures["gap"],
+        words["backend"], words["solver"], words["encoding"], seconds, _read_sense(place),
+    )  # fmt: skip
+
+
+def _read_sense(place: _Place) -> Sense:
+    """Plans that don't say so are minimised, whatever their mission."""
+    if not place.has("sense"):
+        return Sense.MINIMIZE
+    word = place["sense"].text()
+    if word not in tuple(Sense):
+        raise place["sense"].fail(" or ".join(f"{s.value!r}" for s in Sense))
+    return Sense(word)
+
+
+def _read_requirement(place: _Place) -> RequirementValue:
+    value = place["robustness"].optional()
+    return RequirementValue(place["name"].text(), value, place["margin"].number())
+
+
+def _read_link(place: _Place, horizon: int) -> LinkSeries:
+    pair = place["pair"].texts()
+    if len(pair) != 2:
+        raise place["pair"].fail("two names")
+    values = {key: _series(p, horizon) for key, p in place["values"].fields().items()}
+    return LinkSeries(place["channel"].text(), pair[0], pair[1], values)
+
+
+def _series(place: _Place, horizon: int) -> Array:
+    cells = [item.optional() for item in place.items()]
+    if len(cells) != horizon + 1:
+        raise place.fail(f"{horizon + 1} numbers, not {len(cells)}")
+    return np.array([math.nan if c is None else c for c in cells])
