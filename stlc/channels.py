@@ -22,7 +22,7 @@ from stlc.mission import Bound, Channel, Mission, TermKind
 from stlc.radio.averages import average_bounds
 from stlc.radio.costs import CLAMP, CostName, cost_interval, link_cost
 from stlc.radio.gp import ChannelModel
-from stlc.radio.links import LinkBudget
+from stlc.radio.link_budget import LinkBudget
 from stlc.radio.partition import Partition
 from stlc.radio.pathloss import link_distance
 from stlc.radio.predicates import LinkPredicate, quantity_value, threshold_table

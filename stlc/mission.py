@@ -21,7 +21,7 @@ from stlc.source import Source, Span
 if TYPE_CHECKING:
     from stlc.diagnostics import Diagnostic
     from stlc.radio.gp import ChannelModel
-    from stlc.radio.links import LinkBudget
+    from stlc.radio.link_budget import LinkBudget
     from stlc.radio.partition import Partition
 
 Array = NDArray[np.float64]

@@ -26,7 +26,7 @@ from stlc.milp.context import Context
 from stlc.milp.costs import add_objective, reserve_link_costs
 from stlc.milp.dynamics import add_agents
 from stlc.milp.formulas.encoder import FormulaEncoder
-from stlc.milp.formulas.links import LinkEncoder
+from stlc.milp.formulas.link_predicates import LinkEncoder
 from stlc.milp.formulas.selectors import selector_named
 from stlc.milp.layout import Layout
 from stlc.milp.model import Model, Origin

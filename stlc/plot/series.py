@@ -205,7 +205,7 @@ def _chance_level(
     axes: Axes, plan: Plan, panel: LinkPanel, series: LinkSeries, colour: str
 ) -> None:
     """The level that one packet exceeds with the probability asked for."""
-    from stlc.radio.links import z_quantile
+    from stlc.radio.link_budget import z_quantile
 
     ends = {series.sender, series.receiver}
     for p in panel.predicates:

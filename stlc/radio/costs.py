@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from stlc.radio.averages import average, average_bounds
 from stlc.radio.errors import RadioError
-from stlc.radio.links import LinkBudget, q_function
+from stlc.radio.link_budget import LinkBudget, q_function
 
 Array = NDArray[np.float64]
 

@@ -23,7 +23,7 @@ from stlc.radio.averages import average, average_bounds
 from stlc.radio.bounds import EVERYWHERE
 from stlc.radio.errors import RadioError
 from stlc.radio.gp import ChannelModel
-from stlc.radio.links import LinkBudget, check_fading, z_quantile
+from stlc.radio.link_budget import LinkBudget, check_fading, z_quantile
 from stlc.radio.table import BoundName, LinkEnds, LinkTable, bound_ends, make_table, tabulate
 
 Array = NDArray[np.float64]

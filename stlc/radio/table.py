@@ -18,7 +18,7 @@ from stlc.radio.bounds import EVERYWHERE, PairBounds, pair_bounds
 from stlc.radio.costs import CostName, cost_interval, link_cost
 from stlc.radio.errors import RadioError
 from stlc.radio.gp import ChannelModel
-from stlc.radio.links import LinkBudget, check_fading
+from stlc.radio.link_budget import LinkBudget, check_fading
 from stlc.radio.pairs import predict_pairs, row_blocks
 from stlc.radio.partition import Partition
 from stlc.radio.taylor import Boxes

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 from stlc.diagnostics import Diagnostic
-from stlc.sema import clock, links, scalars
+from stlc.sema import clock, link_calls, scalars
 from stlc.sema.members import point
 from stlc.sema.name_errors import Nonlinear, UnknownName, WrongArity, WrongKind
 from stlc.sema.report import Mistake, suggested_fix, suggestion, with_note
@@ -47,7 +47,7 @@ def call(expr: ast.Call, env: Env, scope: Scope) -> Value:
     if isinstance(target, Function):
         return expand(target.let, expr, env, scope)
     if name == "P":
-        return links.chance(expr, env, scope)
+        return link_calls.chance(expr, env, scope)
     builtin = BUILTINS.get(name)
     if builtin is None:
         raise Mistake(_no_function(expr, scope))
@@ -248,12 +248,12 @@ BUILTINS: dict[str, Builtin] = {
     "norm2": _norm2,
     "separation": _separation,
     "distance": _distance,
-    "rssi": links.quality,
-    "snr": links.quality,
-    "ber": links.quality,
-    "ber_at_mean": links.quality,
-    "prr": links.quality,
-    "link_cost": links.cost,
+    "rssi": link_calls.quality,
+    "snr": link_calls.quality,
+    "ber": link_calls.quality,
+    "ber_at_mean": link_calls.quality,
+    "prr": link_calls.quality,
+    "link_cost": link_calls.cost,
     "scale": _scale,
     **{n: _function(getattr(math, n)) for n in ("sin", "cos", "tan", "exp", "log", "log10")},
     **{n: _function(getattr(math, n)) for n in ("sqrt", "floor", "ceil")},

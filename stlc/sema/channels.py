@@ -12,7 +12,7 @@ from stlc.sema.channel_data import conditioned, fitted, read_table, sample_sourc
 from stlc.sema.channel_errors import BadChannel, RayleighWithFading
 from stlc.sema.costs import pairs_of
 from stlc.sema.files import Files
-from stlc.sema.links import missing
+from stlc.sema.link_calls import missing
 from stlc.sema.number_errors import OutOfScale
 from stlc.sema.partitions import is_auto, partition
 from stlc.sema.report import Mistake, Reported
@@ -24,7 +24,7 @@ from stlc.syntax import ast
 
 if TYPE_CHECKING:
     from stlc.radio.gp import ChannelModel
-    from stlc.radio.links import LinkBudget
+    from stlc.radio.link_budget import LinkBudget
     from stlc.radio.partition import Partition
 
 PROPERTIES = (
@@ -216,7 +216,7 @@ def _prior(statement: ast.ChannelDecl, reader: Reader) -> ChannelModel:
 
 def _budget(reader: Reader) -> LinkBudget:
     """The link budget; a noise floor of NaN is one that nobody gave."""
-    from stlc.radio.links import LinkBudget, Modulation, noise_floor_dbm
+    from stlc.radio.link_budget import LinkBudget, Modulation, noise_floor_dbm
 
     floor = reader.number("noise_floor", units.DBM)
     bandwidth = reader.positive("bandwidth", units.HERTZ)

@@ -10,7 +10,7 @@ from stlc.mission import Agent, Channel, ObjectiveTerm, TermKind
 from stlc.scales import unbounded
 from stlc.sema import clock
 from stlc.sema.channel_errors import BadChannel, BadLink
-from stlc.sema.links import missing, only_channel
+from stlc.sema.link_calls import missing, only_channel
 from stlc.sema.name_errors import UnknownName, WrongKind
 from stlc.sema.objective_errors import BadObjective
 from stlc.sema.report import Mistake, Reported, nearest, suggested_fix, suggestion

@@ -22,7 +22,7 @@ from stlc.ir.nodes import (
     Until,
 )
 from stlc.record import changed
-from stlc.sema import clock, links
+from stlc.sema import clock, link_calls
 from stlc.sema.compare import Operator, at_least_zero, compare, is_condition, is_integer
 from stlc.sema.membership import membership
 from stlc.sema.name_errors import NotNegatable, WrongKind
@@ -166,7 +166,7 @@ def _compare(
 ) -> Node:
     """One comparison; places compare by identity, numbers once min and max are unfolded."""
     if isinstance(left, Chance) or isinstance(right, Chance):
-        return links.compare_chance(left, operator, right, spans)
+        return link_calls.compare_chance(left, operator, right, spans)
     if isinstance(left, Separation) and isinstance(right, Items):
         return per_axis(left, operator, right, span, env)
     if isinstance(left, Radio | Place) and isinstance(right, Radio | Place):

@@ -15,7 +15,7 @@ from stlc.mission import Channel, Mission
 from stlc.radio.costs import CostName, link_cost
 from stlc.radio.gp import ChannelModel
 from stlc.radio.joint import joint
-from stlc.radio.links import LinkBudget
+from stlc.radio.link_budget import LinkBudget
 from stlc.simulate.runs import Runs
 from stlc.simulate.tabled import tabled_cost
 

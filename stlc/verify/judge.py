@@ -13,7 +13,7 @@ from stlc.verify.chains import Chain
 from stlc.verify.clearance import outside
 from stlc.verify.conditions import Motions
 from stlc.verify.continuous import Extremum, distance, separation
-from stlc.verify.links import CellModel, TrueModel, link_series
+from stlc.verify.link_models import CellModel, TrueModel, link_series
 from stlc.verify.lone import lone_samples
 from stlc.verify.motion import motion_violations, norm_notes, residual
 from stlc.verify.objective import objective_violations, term_reports, total

@@ -11,7 +11,7 @@ from stlc.mission import ObjectiveTerm, TermKind
 from stlc.plan import SolveInfo
 from stlc.scales import static_range, steps_of
 from stlc.sense import Sense
-from stlc.verify.links import CellModel
+from stlc.verify.link_models import CellModel
 from stlc.verify.report import TermReport, Violation
 from stlc.verify.robustness import Evaluator
 from stlc.verify.subject import Subject

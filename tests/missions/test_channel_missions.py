@@ -14,7 +14,7 @@ from stlc.errors import StlcError
 from stlc.ir.nodes import Quantity, Relation
 from stlc.milp.compile import compile_mission
 from stlc.mission import Bound, Mission
-from stlc.radio.links import Modulation, required_ebn0_db
+from stlc.radio.link_budget import Modulation, required_ebn0_db
 from stlc.verify.report import Report
 
 WORLD = """

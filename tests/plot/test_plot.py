@@ -18,7 +18,7 @@ from stlc.places import Region
 from stlc.plan import make_plan
 from stlc.plot import plan_figure, plot_plan
 from stlc.radio.gp import ChannelModel
-from stlc.radio.links import LinkBudget, Modulation
+from stlc.radio.link_budget import LinkBudget, Modulation
 from stlc.radio.partition import uniform_grid
 
 T = 6

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from stlc.radio.averages import average, average_bounds
-from stlc.radio.links import LinkBudget, Modulation
+from stlc.radio.link_budget import LinkBudget, Modulation
 
 SIGMAS = np.array([0.01, 0.06, 0.07, 0.3, 1.0, 3.0, 8.0])
 

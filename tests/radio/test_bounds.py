@@ -9,7 +9,7 @@ from stlc.radio.costs import CostName
 from stlc.radio.errors import RadioError
 from stlc.radio.gp import ChannelModel
 from stlc.radio.kernel import KernelName
-from stlc.radio.links import LinkBudget, Modulation
+from stlc.radio.link_budget import LinkBudget, Modulation
 from stlc.radio.pairs import predict_pairs
 from stlc.radio.partition import grid
 from stlc.radio.predicates import (

@@ -11,7 +11,7 @@ from stlc.radio.evaluate import hold_out, split_samples
 from stlc.radio.fit import FitOptions, fit_channel, mean_features
 from stlc.radio.gp import ChannelModel, condition
 from stlc.radio.likelihood import evaluate
-from stlc.radio.links import z_quantile
+from stlc.radio.link_budget import z_quantile
 from stlc.radio.pairs import predict_pairs
 from stlc.radio.pathloss import swap_ends
 from stlc.radio.problem import make_problem

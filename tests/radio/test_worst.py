@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stlc.radio.gp import ChannelModel
-from stlc.radio.links import LinkBudget, Modulation
+from stlc.radio.link_budget import LinkBudget, Modulation
 from stlc.radio.partition import grid
 from stlc.radio.posterior import exact_posterior
 from stlc.radio.predicates import LinkPredicate, Quantity, quantity_value, threshold_table

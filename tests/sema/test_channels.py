@@ -13,7 +13,7 @@ from stlc.errors import MissionError
 from stlc.ir.nodes import Always, Link, Node, Not, Or, Quantity, Relation
 from stlc.mission import Bound, Channel, Mission
 from stlc.radio.kernel import KernelName
-from stlc.radio.links import Modulation
+from stlc.radio.link_budget import Modulation
 
 HEAD = """
 horizon 3

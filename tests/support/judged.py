@@ -6,7 +6,7 @@ from stlc.ir.requirement import Requirement
 from stlc.mission import Channel
 from stlc.plan import make_plan
 from stlc.radio.gp import ChannelModel
-from stlc.radio.links import LinkBudget, Modulation
+from stlc.radio.link_budget import LinkBudget, Modulation
 from stlc.radio.partition import uniform_grid
 from stlc.verify import verify
 from support.missions import agent, mission, roll

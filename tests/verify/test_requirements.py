@@ -39,7 +39,7 @@ from stlc.mission import Bound, Channel, Station
 from stlc.plan import make_plan
 from stlc.radio.partition import uniform_grid
 from stlc.verify import verify
-from stlc.verify.links import CellModel, TrueModel
+from stlc.verify.link_models import CellModel, TrueModel
 from stlc.verify.subject import make_subject
 
 

@@ -26,7 +26,7 @@ from stlc.ir.rewrite import postorder
 from stlc.milp.context import Context
 from stlc.milp.formulas.auto import choose
 from stlc.milp.formulas.choice import Alternative, Faces
-from stlc.milp.formulas.links import LinkEncoder
+from stlc.milp.formulas.link_predicates import LinkEncoder
 from stlc.milp.formulas.selectors import ONE_HOT, FormulaEncoding
 from stlc.milp.layout import Encoded
 

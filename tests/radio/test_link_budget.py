@@ -4,7 +4,7 @@ import pytest
 from stlc.radio.averages import average, average_bounds
 from stlc.radio.costs import CLAMP, CostName, cost_interval, link_cost, normalised
 from stlc.radio.errors import RadioError
-from stlc.radio.links import (
+from stlc.radio.link_budget import (
     LinkBudget,
     Modulation,
     bit_error_rate,
