@@ -3,22 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import click
 
 from stlc.cli.answer import answer
-from stlc.cli.common import complain, load, mission_options, show_diagnostics
+from stlc.cli.common import (
+    check_outputs,
+    complain,
+    load,
+    mission_options,
+    parse_defines,
+    show_diagnostics,
+)
 from stlc.diagnostics import Diagnostic, Note
 from stlc.errors import InfeasibleError, NoPlanError
 
 if TYPE_CHECKING:
     from stlc.explain.conflict import Conflict
+    from stlc.explain.edits import Change
     from stlc.explain.oracle import Oracle
+    from stlc.explain.repair import Load
     from stlc.mission import Bound, Mission
 
 _GRACE = 0.4  # s that a solver may overrun its limit, or Ctrl-C, before it is left behind
+_OFFERED = 5  # changes
 
 
 class ConflictingClauses(Diagnostic):
@@ -46,51 +57,129 @@ class ConflictingClauses(Diagnostic):
 @click.option("--time-limit", type=click.FloatRange(min=0), default=60.0, show_default=True,
               metavar="S", help="Seconds for all solves together.")  # fmt: skip
 @click.option("--all", "every", is_flag=True, help="Every minimal conflict, not one.")
+@click.option("--fix", is_flag=True, help="Offer the smallest changes that give a plan.")
+@click.option("--apply", "out", type=click.Path(path_type=Path), metavar="OUT",
+              help="Write a copy of FILE with a change made (implies --fix).")  # fmt: skip
+@click.option("--pick", type=click.IntRange(min=1), default=1, show_default=True, metavar="K",
+              help="Which of the changes `--apply` makes.")  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def explain_command(
-    file: Path,
-    define: tuple[str, ...],
-    allow_path: tuple[Path, ...],
-    backend: str,
-    time_limit: float,
-    every: bool,
-    as_json: bool,
+    file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...], **words: Any
 ) -> int:
     """Say which parts of FILE cannot hold together, and why; exit 3 when there are such.
 
     Exit 0 when a plan was found possible; 4 when neither was proven within the limit.
     """
-    return explain_mission(load(file, define, allow_path), backend, time_limit, every, as_json)
+    given = _Words(**words)
+    check_outputs(given.out)
+    mission = load(file, define, allow_path)
+    check_outputs(given.out)  # now that it is known what was read
+
+    def again(text: str) -> Mission:
+        from stlc.api import loads
+
+        folder = file.resolve().parent
+        return loads(
+            text, name=str(file), params=parse_defines(define), folder=folder,
+            allow_paths=allow_path,
+        )  # fmt: skip
+
+    return _explain(mission, again, given)
 
 
-def explain_mission(
-    mission: Mission, backend: str, time_limit: float, every: bool = False, as_json: bool = False
-) -> int:
-    """Print the conflict, or every one; the exit status of `stlc explain`."""
+@dataclass(frozen=True, slots=True)
+class _Words:
+    """The options of `stlc explain` as click hands them over; seconds."""
+
+    backend: str
+    time_limit: float
+    every: bool
+    fix: bool
+    out: Path | None
+    pick: int
+    as_json: bool
+
+
+def _explain(mission: Mission, load_text: Load, given: _Words) -> int:
+    """Print the conflict, or every one, and changes; the exit status of `stlc explain`."""
     from stlc.explain.conflict import Verdict, begin
     from stlc.explain.oracle import Oracle
     from stlc.solve.deadline import Deadline
 
-    oracle = Oracle(mission, backend, Deadline.after(time_limit), _GRACE)
+    oracle = Oracle(mission, given.backend, Deadline.after(given.time_limit), _GRACE)
     verdict = begin(oracle)
     if verdict is Verdict.UNKNOWN:
-        raise NoPlanError(f"not decided within {time_limit:g} s")
+        raise NoPlanError(f"not decided within {given.time_limit:g} s")
     if verdict is Verdict.FEASIBLE:
         text = "no conflict: the requirements can be satisfied together"
-        answer({"status": "feasible", "conflicts": []}) if as_json else click.echo(text)
+        answer({"status": "feasible", "conflicts": []}) if given.as_json else click.echo(text)
         return 0
-    found, complete = _conflicts(oracle, every)
-    if as_json:
-        answer({
-            "status": "infeasible", "complete": complete,
-            "conflicts": [c.as_dict() for c in found],
-        })  # fmt: skip
-        return InfeasibleError.exit_status
+    found, complete = _conflicts(oracle, given.every)
+    changes = _changes(mission, found[0], load_text, given) if found else ()
+    if given.as_json:
+        answer(_as_dict(found, complete, changes))
+    else:
+        _print(found, complete, changes, given)
+    if given.out is not None:
+        _apply(changes, given)
+    return InfeasibleError.exit_status
+
+
+def _changes(
+    mission: Mission, conflict: Conflict, load_text: Load, given: _Words
+) -> tuple[Change, ...]:
+    """Changes that end the conflict, where they are asked for, within a time limit of their own."""
+    from stlc.explain.repair import Repairer
+    from stlc.solve.deadline import Deadline
+
+    if not given.fix and given.out is None:
+        return ()
+    limit = Deadline.after(given.time_limit)
+    repairer = Repairer(load_text, given.backend, limit, _GRACE)
+    return repairer.changes(mission, conflict, max(_OFFERED, given.pick))
+
+
+def _apply(changes: Sequence[Change], given: _Words) -> None:
+    """Write the changed text; NoPlanError when there is no such change."""
+    from stlc.files import write_atomic
+
+    assert given.out is not None
+    if len(changes) < given.pick:
+        raise NoPlanError(f"{_offers(len(changes))}: nothing was written to {given.out}")
+    write_atomic(given.out, changes[given.pick - 1].text)
+
+
+def _as_dict(
+    found: Sequence[Conflict], complete: bool, changes: Sequence[Change]
+) -> dict[str, Any]:
+    return {
+        "status": "infeasible",
+        "complete": complete,
+        "conflicts": [c.as_dict() for c in found],
+        "changes": [c.as_dict() for c in changes],
+    }
+
+
+def _print(
+    found: Sequence[Conflict], complete: bool, changes: Sequence[Change], given: _Words
+) -> None:
+    """Conflicts on standard error, their number and changes on standard output."""
     for conflict in found:
         _show(conflict)
-    if every:
+    if given.every:
         click.echo(_count(len(found), complete))
-    return InfeasibleError.exit_status
+    if given.fix or given.out is not None:
+        click.echo(
+            f"{_offers(len(changes))}, each with a verified plan; the smallest first:"
+            if changes
+            else "no change of one number gives a plan within the limit"
+        )
+        for number, change in enumerate(changes, start=1):
+            click.echo(f"  {number}. {change}")
+
+
+def _offers(number: int) -> str:
+    return f"{number} change{'' if number == 1 else 's'} of the file"
 
 
 def _conflicts(oracle: Oracle, every: bool) -> tuple[Sequence[Conflict], bool]:

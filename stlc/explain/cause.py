@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 from stlc.backends import get
 from stlc.backends.base import SolveOptions
 from stlc.errors import InfeasibleError, MissionError, SolverError, UsageError
-from stlc.explain.givens import Given, Kind
-from stlc.explain.oracle import Oracle, Question, Verdict
+from stlc.explain.givens import Given, Kind, givens_of
+from stlc.explain.oracle import Oracle, Question, Verdict, channels_of
 from stlc.explain.words import body_of, clause, parts_of, said, unit_of
 from stlc.ir.nodes import Always, Eventually, Link, Node, Until, walk
 from stlc.ir.requirement import Requirement
-from stlc.milp.compile import CompileOptions, compile_mission
+from stlc.milp.compile import compile_mission
 from stlc.mission import ObjectiveTerm, TermKind
 
 _LONGER = 3  # times the horizon, and a little, for the earliest possible step
@@ -42,7 +42,7 @@ def cause_of(oracle: Oracle, pieces: Sequence[Requirement], givens: Sequence[Giv
     kept = _given(givens)
     if not pieces:
         return Cause(f"no run keeps {kept}")
-    short = _shortfall(oracle, pieces)
+    short = _shortfall(oracle, pieces, givens)
     if short is not None:
         piece, value = short
         unit = unit_of(piece.formula)
@@ -167,14 +167,16 @@ def oracle_for(oracle: Oracle, end: int) -> Oracle:
 # --- too little --------------------------------------------------------------------------------
 
 
-def _shortfall(oracle: Oracle, pieces: Sequence[Requirement]) -> tuple[Requirement, float] | None:
+def _shortfall(
+    oracle: Oracle, pieces: Sequence[Requirement], givens: Sequence[Given]
+) -> tuple[Requirement, float] | None:
     """The piece that a planner would rather give way in, and by how much it fails at best."""
-    order = sorted(pieces, key=_weight)
-    for piece in order[:1]:
-        value = shortfall(oracle, piece, [p for p in pieces if p is not piece])
-        if value is not None and value > 1e-6:
-            return piece, value
-    return None
+    piece = min(pieces, key=_weight)
+    agents, channels = sorted(oracle.agents(pieces)), sorted(channels_of(pieces))
+    every = givens_of(oracle.mission, agents, channels)
+    free = {g for g in every if g.kind is not Kind.PARTITION} - set(givens)
+    value = shortfall(oracle, Question(frozenset(pieces), frozenset(free)), piece)
+    return (piece, value) if value is not None and value > 1e-6 else None
 
 
 def _weight(piece: Requirement) -> int:
@@ -184,27 +186,19 @@ def _weight(piece: Requirement) -> int:
     return 1 if isinstance(piece.formula, Always) else 2
 
 
-def shortfall(oracle: Oracle, piece: Requirement, others: Sequence[Requirement]) -> float | None:
-    """How far the best robustness of a piece beside others stays below its margin, as bounded.
+def shortfall(oracle: Oracle, question: Question, piece: Requirement) -> float | None:
+    """How far the best robustness of a piece beside the others stays below its margin, as bounded.
 
     None where that isn't found out in a moment, or has no bound.
     """
-    part = oracle.part(Question(frozenset((piece, *others))))
-    named = [
-        r
-        for r in part.requirements
-        if r.formula == piece.formula and r.name.startswith(f"{piece.name}#")
-    ]
-    name = named[0].name
+    part, name = oracle.part(question), oracle.name_in(question, piece)
     freed = tuple(replace(r, margin=_LOW) if r.name == name else r for r in part.requirements)
     goal = ObjectiveTerm(TermKind.ROBUSTNESS, -1.0, requirement=name)
     try:
-        options = CompileOptions(tables=oracle.tables)
-        compiled = compile_mission(replace(part, requirements=freed, objective=(goal,)), options)
+        mission = replace(part, requirements=freed, objective=(goal,))
+        compiled = compile_mission(mission, oracle.options(question))
         asked = oracle.brief().bind(SolveOptions(gap=_GAP))
         answer = get(oracle.backend).solve(compiled.model, asked)
     except (InfeasibleError, MissionError, SolverError, UsageError):
         return None
-    if answer.bound is None:
-        return None
-    return piece.margin + answer.bound
+    return None if answer.bound is None else piece.margin + answer.bound

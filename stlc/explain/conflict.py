@@ -210,8 +210,7 @@ def _proof(oracle: Oracle, pieces: tuple[Requirement, ...]) -> str:
         if pieces
         else replace(oracle.mission, requirements=(), objective=())
     )
-    names = {f"{p.name}#{k}": p.name for k, p in enumerate(sorted(pieces, key=lambda p: p.name))}
-    told = tuple(replace(r, name=names.get(r.name, r.name)) for r in part.requirements)
+    told = tuple(replace(r, name=r.name.rpartition("#")[0]) for r in part.requirements)
     distinct = len({r.name for r in told}) == len(told)
     part = replace(part, requirements=told) if distinct else part
     try:

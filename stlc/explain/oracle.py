@@ -110,9 +110,10 @@ class Oracle:
 
     def compiled(self, question: Question) -> Compiled:
         """The model of a question; raises as `compile_mission`."""
-        return compile_mission(self.part(question), self._options(question))
+        return compile_mission(self.part(question), self.options(question))
 
-    def _options(self, question: Question) -> CompileOptions:
+    def options(self, question: Question) -> CompileOptions:
+        """How to compile a question."""
         hopeful = any(g.kind is Kind.PARTITION for g in question.free)
         return CompileOptions(hopeful=hopeful, tables=self.tables)
 
@@ -120,11 +121,13 @@ class Oracle:
         """The mission that a question is about."""
         kept = self.agents(question.pieces) or frozenset(list(self.mission.agents)[:1])
         agents = {n: a for n, a in self.mission.agents.items() if n in kept}
-        pieces = sorted(question.pieces, key=lambda p: p.name)
-        names = [f"{p.name}#{k}" for k, p in enumerate(pieces)]
-        renamed = tuple(replace(p, name=n) for p, n in zip(pieces, names, strict=True))
+        renamed = tuple(replace(p, name=self.name_in(question, p)) for p in _ordered(question))
         part = replace(self.mission, agents=agents, requirements=renamed, objective=())
         return without(part, question.free)
+
+    def name_in(self, question: Question, piece: Requirement) -> str:
+        """The name of a piece in `part`: several of one requirement are told apart."""
+        return f"{piece.name}#{_ordered(question).index(piece)}"
 
     def agents(self, pieces: Iterable[Requirement]) -> frozenset[str]:
         """The agents that requirements speak of."""
@@ -150,7 +153,7 @@ class Oracle:
 
     def _answer(self, question: Question) -> Verdict:
         try:
-            verdict, run = self._solve(self.part(question), self._options(question))
+            verdict, run = self._solve(self.part(question), self.options(question))
         except MissionError:
             if not question.free:
                 raise
@@ -201,6 +204,10 @@ class Oracle:
         signals |= {(n, Role.INPUT): u for n, u in run.inputs.items()}
         judge = Evaluator(Trace(self.mission.horizon + 1, signals), faces=True)
         self._runs.append(_Found(question, frozenset(run.states), judge))
+
+
+def _ordered(question: Question) -> list[Requirement]:
+    return sorted(question.pieces, key=lambda p: (p.name, str(p.span), str(p.formula.span)))
 
 
 def owners_of(pieces: Iterable[Requirement]) -> frozenset[str]:

@@ -1,0 +1,201 @@
+"""Numbers of a file that the members of a conflict are made of, where they stand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from enum import Enum
+
+from stlc.explain.conflict import Conflict
+from stlc.explain.givens import Given, Kind
+from stlc.explain.places import statements
+from stlc.ir.nodes import Node, walk
+from stlc.mission import Mission
+from stlc.source import Source, Span
+from stlc.syntax import ast
+
+
+class Of(Enum):
+    """What a number is of."""
+
+    DEADLINE = "deadline"
+    THRESHOLD = "threshold"
+    PROBABILITY = "probability"
+    MARGIN = "margin"
+    PARAMETER = "parameter"
+    REGION = "region"
+    OBSTACLE = "obstacle"
+    BOUND = "bound"
+    PARTITION = "partition"
+    WORKSPACE = "workspace"
+    START = "start"
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A number of the text, its sign included."""
+
+    of: Of
+    span: Span
+    value: float
+    unit: str
+    name: str = ""
+
+
+def numbers_of(mission: Mission, conflict: Conflict) -> Iterator[Number]:
+    """Numbers of its clauses, of the places that they name, and of what is given."""
+    file = mission.source
+    for clause in conflict.clauses:
+        for n in _Reader(file, mission).requirement(clause.span):
+            yield replace(n, name=f"{n.of.value} of {clause.name}")
+        yield from _places(file, clause.formula)
+    for given in conflict.givens:
+        yield from _given(file, given)
+
+
+# --- requirements ------------------------------------------------------------------------------
+
+
+@dataclass(slots=True)
+class _Reader:
+    """Numbers of formulas, through definitions and parameters."""
+
+    file: Source
+    mission: Mission
+
+    def requirement(self, span: Span | None) -> Iterator[Number]:
+        for statement in statements(self.file):
+            if isinstance(statement, ast.Require) and statement.span == span:
+                yield from self._in(statement.formula)
+                if statement.margin is not None:
+                    yield from self._number(statement.margin, Of.MARGIN)
+                else:
+                    yield from self._margins()
+
+    def _margins(self) -> Iterator[Number]:
+        for statement in statements(self.file):
+            if isinstance(statement, ast.Margin):
+                yield from self._number(statement.value, Of.MARGIN)
+
+    def _in(self, expr: ast.Expr) -> Iterator[Number]:
+        """Numbers of a formula; of what it defines by name, those of the definition."""
+        match expr:
+            case ast.Temporal(interval=interval, arg=arg):
+                yield from self._interval(interval)
+                yield from self._in(arg)
+            case ast.TemporalPair(interval=interval, left=left, right=right):
+                yield from self._interval(interval)
+                yield from self._in(left)
+                yield from self._in(right)
+            case ast.Logical(args=args):
+                for arg in args:
+                    yield from self._in(arg)
+            case ast.Not(arg=arg) | ast.Swept(arg=arg) | ast.Quantifier(body=arg):
+                yield from self._in(arg)
+            case ast.Comparison(operands=operands):
+                yield from self._comparison(operands)
+            case ast.Call(function=function, args=args):
+                yield from self._definition(function.text)
+                for arg in args:
+                    yield from self._number(arg, Of.PARAMETER)
+            case ast.Name(text=text):
+                yield from self._definition(text)
+
+    def _interval(self, interval: ast.Interval | None) -> Iterator[Number]:
+        for end in () if interval is None else (interval.start, interval.end):
+            if end is not None:
+                yield from self._number(end, Of.DEADLINE)
+
+    def _comparison(self, operands: tuple[ast.Expr, ...]) -> Iterator[Number]:
+        """What something is compared with; a probability beside the chance of a comparison."""
+        chance = any(isinstance(o, ast.Call) and o.function.text == "P" for o in operands)
+        for operand in operands:
+            if isinstance(operand, ast.Call) and operand.function.text == "P":
+                for arg in operand.args:
+                    yield from self._in(arg)
+            elif isinstance(operand, ast.Tuple):
+                for item in operand.items:
+                    yield from self._number(item, Of.THRESHOLD)
+            else:
+                yield from self._number(operand, Of.PROBABILITY if chance else Of.THRESHOLD)
+
+    def _definition(self, name: str) -> Iterator[Number]:
+        for statement in statements(self.file):
+            if isinstance(statement, ast.Let) and statement.name.text == name:
+                yield from self._in(statement.body)
+
+    def _number(self, expr: ast.Expr, of: Of) -> Iterator[Number]:
+        """A number as it stands, or that of a parameter which `-D` hasn't set."""
+        if isinstance(expr, ast.Name) and expr.text not in self.mission.params:
+            for statement in statements(self.file):
+                if isinstance(statement, ast.Param) and statement.name.text == expr.text:
+                    yield from number(statement.value, of)
+        else:
+            yield from number(expr, of)
+
+
+def number(expr: ast.Expr, of: Of) -> Iterator[Number]:
+    """A number of the text, if the expression is one."""
+    negative = isinstance(expr, ast.Negate)
+    inner = expr.arg if isinstance(expr, ast.Negate) else expr
+    if isinstance(inner, ast.Number):
+        end = inner.span.start + len(inner.text)
+        span = Span(expr.span.source, expr.span.start, end)
+        yield Number(of, span, -inner.value if negative else inner.value, inner.unit or "")
+
+
+# --- places, and what is given -----------------------------------------------------------------
+
+
+def _places(file: Source, formula: Node) -> Iterator[Number]:
+    """Sides of boxes that a formula is in or out of, and how far obstacles are inflated."""
+    names: dict[str, None] = {}
+    for node in walk(formula):
+        claims = (node.member, node.swept)
+        names |= {c.place: None for c in claims if c is not None and c.place is not None}
+    for statement in statements(file):
+        if isinstance(statement, ast.RegionDecl) and statement.name.text in names:
+            for n in _box(statement.shape, Of.REGION):
+                yield replace(n, name=f"region {statement.name.text}")
+        if isinstance(statement, ast.ObstacleDecl) and statement.name.text in names:
+            inflated = () if statement.inflate is None else number(statement.inflate, Of.OBSTACLE)
+            for n in (*_box(statement.shape, Of.OBSTACLE), *inflated):
+                yield replace(n, name=f"obstacle {statement.name.text}")
+
+
+def _box(shape: ast.Shape, of: Of) -> Iterator[Number]:
+    if isinstance(shape, ast.Box):
+        for end in (*shape.x, *shape.y):
+            yield from number(end, of)
+
+
+def _given(file: Source, given: Given) -> Iterator[Number]:
+    """Numbers of a bound, of a start or of the workspace."""
+    if given.kind is Kind.WORKSPACE:
+        for statement in statements(file):
+            if isinstance(statement, ast.Workspace):
+                yield from _box(statement.shape, Of.WORKSPACE)
+    if given.kind in (Kind.SPEED, Kind.CONTROL, Kind.STATE, Kind.START):
+        of = Of.START if given.kind is Kind.START else Of.BOUND
+        for item in properties(file):
+            if item.span == given.span:
+                for n in (n for arg in item.args for n in _bound(arg, of)):
+                    yield replace(n, name=f"{item.key.text} of {given.owner}")
+
+
+def properties(file: Source) -> Iterator[ast.Property]:
+    """Properties of all blocks of a file."""
+    for statement in statements(file):
+        if isinstance(statement, ast.AgentDecl | ast.DynamicsDecl | ast.ChannelDecl):
+            yield from statement.properties
+
+
+def _bound(expr: ast.Expr, of: Of) -> Iterator[Number]:
+    match expr:
+        case ast.Comparison(operands=parts) | ast.Tuple(items=parts) | ast.List(items=parts):
+            for part in parts:
+                yield from number(part, of)
+        case ast.Membership(place=place):
+            yield from _bound(place, of)
+        case _:
+            yield from number(expr, of)

@@ -1,0 +1,100 @@
+"""Changes that end a conflict: smallest, ready to apply, each with a verified plan."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from support.command import CONFLICT
+from support.command import inside as stlc
+
+from stlc.api import loads, solve
+from stlc.errors import InfeasibleError
+from stlc.explain.conflict import Conflict, explain
+from stlc.explain.edits import Change, patched
+from stlc.explain.repair import Repairer
+from stlc.solve.deadline import Deadline
+
+LATE = CONFLICT.replace("[7, 8] x", "[9, 10] x").replace("require visit", "# require visit")
+LINK = """workspace box [0, 20] x [0, 20]
+agent b : single_integrator { start (2, 10); control |u| <= 1 }
+station base at (10, 10)
+channel radio { path_loss L0 = -40 dBm, n = 3; fading 4 dB^2; partition 4 x 4 }
+param level = -62 dBm
+require link: always[2, 5] rssi(b, base) >= level
+require sure: eventually[0, 8] P(rssi(b, base) >= -55 dBm) >= 0.9
+"""
+
+
+def changes(text: str) -> tuple[Change, ...]:
+    mission = loads(text)
+    found = explain(mission)
+    assert isinstance(found, Conflict)
+    return Repairer(loads, "highs", Deadline.after(60.0)).changes(mission, found)
+
+
+def is_infeasible(text: str) -> bool:
+    try:
+        solve(replace(loads(text), objective=()))
+    except InfeasibleError:
+        return True
+    return False
+
+
+@pytest.mark.parametrize("text", [CONFLICT, LATE, LINK, LINK.replace("-62", "-69")])
+def test_every_change_gives_a_verified_plan(text: str) -> None:
+    found = changes(text)
+    assert found
+    for change in found:
+        assert patched(text, change.replacements) == change.text
+        assert solve(loads(change.text)).report.ok
+    assert [c.cost for c in found] == sorted(c.cost for c in found)
+
+
+def test_a_deadline_moves_to_the_first_step_with_a_plan() -> None:
+    moved = [c for c in changes(LATE) if c.kinds == ("deadline",)]
+    assert [(r.span.text, r.new) for r in moved[0].replacements] == [("3", "4")]
+    assert moved[0].words == ("deadline of other 3 -> 4 (+1 step), line 12",)
+
+
+def test_a_smaller_change_is_none() -> None:
+    for change in changes(LATE):
+        (one,) = change.replacements
+        old, new = float(one.span.text), float(one.new)
+        less = format(old + (new - old) * 0.75, ".3g")
+        if "deadline" not in change.kinds and less != one.new:
+            assert is_infeasible(patched(LATE, [replace(one, new=less)]))
+
+
+def test_a_parameter_is_changed_where_it_is_declared() -> None:
+    found = changes(LINK)
+    levels = [r for c in found for r in c.replacements if r.span.text == "-62"]
+    assert levels
+    assert levels[0].span.line == 5
+    assert "dBm" in str(found[0])
+
+
+def test_a_coarse_partition_is_made_finer() -> None:
+    kinds = {k for c in changes(LINK.replace("-62", "-69")) for k in c.kinds}
+    assert "partition" in kinds
+
+
+def test_several_conflicts_are_ended_by_one_change_of_several_numbers() -> None:
+    several = CONFLICT.replace("[7, 8] x", "[9, 10] x")
+    found = changes(several)
+    assert all(len(c.words) >= 2 for c in found)
+
+
+def test_a_copy_is_written_and_no_input(tmp_path: Path) -> None:
+    (tmp_path / "c.stl").write_text(LATE)
+    done = stlc("explain", "c.stl", "--apply", "d.stl", folder=tmp_path)
+    assert done.returncode == 3
+    assert "1. " in done.stdout
+    assert stlc("solve", "d.stl", "--progress", "none", folder=tmp_path).returncode == 0
+    again = stlc("explain", "c.stl", "--apply", "c.stl", folder=tmp_path)
+    assert again.returncode == 2
+    assert (tmp_path / "c.stl").read_text() == LATE
+    beyond = stlc("explain", "c.stl", "--apply", "e.stl", "--pick", "99", folder=tmp_path)
+    assert beyond.returncode == 4
+    assert not (tmp_path / "e.stl").exists()
