@@ -16,6 +16,8 @@ import sys
 import time
 from pathlib import Path
 
+from fuzz.tokens import change_one
+
 from stlc.api import loads
 from stlc.diagnostics import Diagnostic, Severity
 from stlc.errors import MissionError
@@ -112,18 +114,7 @@ def change_tokens(rng: random.Random, tokens: list[str]) -> bytes:
     """A few tokens left out, doubled, exchanged, or replaced by others of the mission."""
     made = list(tokens)
     for _ in range(rng.randint(1, 4)):
-        at, other = rng.randrange(len(made)), rng.randrange(len(made))
-        match rng.randrange(5):
-            case 0:
-                made[at] = made[other]
-            case 1:
-                made[at], made[other] = made[other], made[at]
-            case 2:
-                made[at] = rng.choice(NUMBERS)
-            case 3:
-                made.insert(at, made[other])
-            case _:
-                del made[at]
+        change_one(rng, made, NUMBERS)
         made = made or ["step"]
     return "".join(made).encode()
 

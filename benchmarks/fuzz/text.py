@@ -6,6 +6,8 @@ import random
 import re
 from collections.abc import Callable, Sequence
 
+from fuzz.tokens import change_one
+
 TOKEN = re.compile(
     r"\s+|#[^\n]*|\"[^\"\n]*\"|\d+\.?\d*(?:[eE][-+]?\d+)?|\w+|<=|>=|==|->|\.\.|.", re.S
 )
@@ -101,18 +103,7 @@ def tokens(rng: random.Random, text: str, other: str) -> str:
     made, theirs = TOKEN.findall(text), TOKEN.findall(other)
     if not made or not theirs:
         return text
-    at, second = rng.randrange(len(made)), rng.randrange(len(made))
-    match rng.randrange(5):
-        case 0:
-            made[at] = made[second]
-        case 1:
-            made[at], made[second] = made[second], made[at]
-        case 2:
-            made[at] = rng.choice(theirs)
-        case 3:
-            made.insert(at, made[second])
-        case _:
-            del made[at]
+    change_one(rng, made, theirs)
     return "".join(made)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from stlc.backends import get
 from stlc.backends.base import Backend, Floats, Solution, SolveOptions, Status
-from stlc.errors import SolverError
+from stlc.errors import InfeasibleError, SolverError
 from stlc.milp.model import Model
 from stlc.solve.certify import TOLERANCE, Certified, certify, refusal
 
@@ -69,6 +69,28 @@ def confirm_infeasible(
         problem = f"it claims infeasible, but {by} found a point that is certified"
         raise RefutedError(str(refusal(claim, problem)), found.x, second)
     return Confirmation(False, by, answer.seconds, f"{who} says so; {by} could not decide")
+
+
+def opinion(options: SolveOptions, seconds: float) -> SolveOptions:
+    """Limits for a second solver that judges a claim which took the first `seconds`."""
+    return replace(options, time_limit=options.time_limit or max(OPINION, 2 * seconds))
+
+
+def doubt(model: Model, claim: Solution, asked: SolveOptions) -> RefutedError:
+    """What a second solver finds against an infeasible claim: a certified point, and its message.
+
+    Raises InfeasibleError, with both solvers' words, where it finds none.
+    """
+    try:
+        word = confirm_infeasible(model, claim, options=asked)
+    except RefutedError as error:
+        return error
+    raise InfeasibleError(f"no run satisfies the mission ({word})")
+
+
+def contradicted(claim: Solution) -> str:
+    """Why an infeasible claim isn't believed once a verified plan is in hand."""
+    return str(refusal(claim, "it claims infeasible, but a verified plan is in hand"))
 
 
 def confirm_optimal(

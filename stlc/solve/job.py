@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from stlc.backends.base import Backend, Capability, Progress, Solution, SolveOptions, Status
 from stlc.errors import (
-    InfeasibleError,
     InterruptedSolveError,
     NoPlanError,
     SolverError,
@@ -211,20 +210,13 @@ class Job:
 
     def _doubt(self, solution: Solution, seconds: dict[str, float]) -> Outcome:
         """Hear a second solver on a claim that there is no plan."""
-        from stlc.solve.certify import refusal
-        from stlc.solve.confirm import OPINION, RefutedError, confirm_infeasible
+        from stlc.solve.confirm import contradicted, doubt, opinion
 
         if self.incumbent.plan is not None:
-            problem = "it claims infeasible, but a verified plan is in hand"
-            self._refused = str(refusal(solution, problem))
+            self._refused = contradicted(solution)
             return self._stand(seconds)
-        limit = self.settings.time_limit or max(OPINION, 2 * solution.seconds)
-        asked = replace(self._options_asked(), time_limit=limit)
-        try:
-            confirmed = confirm_infeasible(self.compiled.model, solution, options=asked)
-        except RefutedError as error:
-            return self._go_on(error, asked, seconds)
-        raise InfeasibleError(f"no run satisfies the mission ({confirmed})")
+        asked = opinion(self._options_asked(), solution.seconds)
+        return self._go_on(doubt(self.compiled.model, solution, asked), asked, seconds)
 
     def _go_on(
         self, refuted: RefutedError, asked: SolveOptions, seconds: dict[str, float]

@@ -7,12 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.link_missions import Variant, write_mission
+from support.link_missions import Variant, assert_same_optimum, compiled_mission
 
 from stlc import backends
 from stlc.api import load
-from stlc.backends.base import Progress, SolveOptions, Status
-from stlc.errors import InfeasibleError
+from stlc.backends.base import SolveOptions, Status
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.mission import Mission
 from stlc.solve.certify import certify
@@ -37,29 +36,10 @@ SEEDS = range(8 if FULL else 2)
 """8 variants by 8 seeds; by 2 in the reduced profile."""
 
 
-def _compiled(folder: Path, seed: int, variant: Variant) -> Compiled:
-    try:
-        return compile_mission(write_mission(folder, seed, variant))
-    except InfeasibleError:
-        return _compiled(folder, seed + 1000, variant)
-
-
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("name", VARIANTS)
 def test_same_optimum_as_the_plain_milp(name: str, seed: int, tmp_path: Path) -> None:
-    compiled = _compiled(tmp_path, seed, VARIANTS[name])
-    backend, seen = backends.get("highs"), list[Progress]()
-    plain = backend.solve(compiled.model, SolveOptions(gap=1e-6))
-    found = run_strategy(
-        "links", compiled, backend, SolveOptions(gap=1e-6, on_progress=seen.append)
-    )
-    assert found.status is plain.status
-    if plain.objective is None:
-        return
-    assert found.objective == pytest.approx(plain.objective, rel=3e-6, abs=2e-6)
-    slack = 2e-6 * max(1.0, abs(plain.objective))
-    assert all(p.bound is None or p.bound <= plain.objective + slack for p in seen)
-    assert _verified(compiled.mission, compiled, found)
+    assert_same_optimum(compiled_mission(tmp_path, seed, VARIANTS[name]))
 
 
 def _verified(mission: Mission, compiled: Compiled, found: object) -> bool:
@@ -116,7 +96,7 @@ def test_an_agent_on_a_face_counts_in_the_blocked_cell(tmp_path: Path) -> None:
 
 def test_a_limit_leaves_a_valid_bound(tmp_path: Path) -> None:
     """Stopped at once, nothing is claimed."""
-    compiled = _compiled(tmp_path, 0, VARIANTS["double"])
+    compiled = compiled_mission(tmp_path, 0, VARIANTS["double"])
     options = SolveOptions(should_stop=lambda: True)
     found = run_strategy("links", compiled, backends.get("highs"), options)
     assert found.status in (Status.NO_SOLUTION, Status.FEASIBLE)

@@ -7,8 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
+from stlc import backends
 from stlc.api import load
+from stlc.backends.base import Progress, SolveOptions
+from stlc.errors import InfeasibleError
+from stlc.milp.compile import Compiled, compile_mission
 from stlc.mission import Mission
+from stlc.solve.strategies import run_strategy
 
 SIZE = 6
 
@@ -106,3 +111,27 @@ def _cost(names: list[str], variant: Variant) -> str:
         return "link_cost(radio)"
     pairs = [f"({names[0]}, {names[1]})", f"({names[0]}, base)"]
     return f"link_cost(radio, {', '.join(pairs)})"
+
+
+def compiled_mission(folder: Path, seed: int, variant: Variant) -> Compiled:
+    """The first mission of seed, seed + 1000, ... that ranges alone don't rule out."""
+    try:
+        return compile_mission(write_mission(folder, seed, variant))
+    except InfeasibleError:
+        return compiled_mission(folder, seed + 1000, variant)
+
+
+def assert_same_optimum(compiled: Compiled) -> None:
+    """The search for link costs and the plain model agree, and no bound told is above."""
+    backend, seen = backends.get("highs"), list[Progress]()
+    plain = backend.solve(compiled.model, SolveOptions(gap=1e-6))
+    found = run_strategy(
+        "links", compiled, backend, SolveOptions(gap=1e-6, on_progress=seen.append)
+    )
+    assert found.status is plain.status
+    if plain.objective is None:
+        return
+    assert found.objective is not None
+    slack = 2e-6 * max(1.0, abs(plain.objective))
+    assert abs(found.objective - plain.objective) <= 1.5 * slack
+    assert all(p.bound is None or p.bound <= plain.objective + slack for p in seen)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from stlc.backends.base import Progress, Solution, SolveOptions, Status
 from stlc.errors import (
-    InfeasibleError,
     InterruptedSolveError,
     NoPlanError,
 )
@@ -136,26 +135,19 @@ class MissionRace:
 
     def _doubt(self, result: Race, winner: Lap) -> Result:
         """Hear a second solver on the winner's claim that there is no plan."""
-        from stlc.solve.certify import refusal
-        from stlc.solve.confirm import OPINION, RefutedError, confirm_infeasible
+        from stlc.solve.confirm import contradicted, doubt, opinion
 
         assert winner.certified is not None
         claim, model = winner.certified.claim, self.compiled[winner.name].model
         if self._best() is not None:
-            problem = "it claims infeasible, but a verified plan is in hand"
-            return self._stand(result, str(refusal(claim, problem)))
-        options = SolveOptions(time_limit=max(OPINION, 2 * winner.seconds))
-        try:
-            word = confirm_infeasible(model, claim, options=options)
-        except RefutedError as error:
-            self.listen(DiagnosticEvent("warning", str(error)))
-            by = error.by
-            found = Solution(
-                Status.FEASIBLE, error.x, model.objective(error.x), solver=by.name,
-                solver_version=by.version(),
-            )  # fmt: skip
-            return self._finish(result, winner.name, found, False, str(error))
-        raise InfeasibleError(f"no run satisfies the mission ({word})")
+            return self._stand(result, contradicted(claim))
+        refuted = doubt(model, claim, opinion(SolveOptions(), winner.seconds))
+        self.listen(DiagnosticEvent("warning", str(refuted)))
+        found = Solution(
+            Status.FEASIBLE, refuted.x, model.objective(refuted.x), solver=refuted.by.name,
+            solver_version=refuted.by.version(),
+        )  # fmt: skip
+        return self._finish(result, winner.name, found, False, str(refuted))
 
     def _finish(
         self, result: Race, name: str, claim: Solution, proven: bool, refused: str | None = None

@@ -10,13 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.link_missions import Variant, write_mission
+from support.link_missions import Variant, assert_same_optimum, compiled_mission
 
 from stlc import backends
 from stlc.arrays import Bools, Floats
-from stlc.backends.base import Progress, SolveOptions, Status
-from stlc.errors import InfeasibleError
-from stlc.milp.compile import Compiled, compile_mission
+from stlc.backends.base import SolveOptions, Status
 from stlc.solve import tuning
 from stlc.solve.bounders.agreement import Agreement, no_prices
 from stlc.solve.bounders.shares import coarsened
@@ -41,13 +39,6 @@ VARIANTS = {
 SEEDS = range(8 if FULL else 1)
 
 
-def _compiled(folder: Path, seed: int, variant: Variant) -> Compiled:
-    try:
-        return compile_mission(write_mission(folder, seed, variant))
-    except InfeasibleError:
-        return _compiled(folder, seed + 1000, variant)
-
-
 def _layers(problem: Problem, bins: int) -> list[list[Layer]]:
     out = []
     for body in problem.bodies:
@@ -60,18 +51,7 @@ def _layers(problem: Problem, bins: int) -> list[list[Layer]]:
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("name", VARIANTS)
 def test_same_optimum_as_the_plain_milp(name: str, seed: int, tmp_path: Path) -> None:
-    compiled = _compiled(tmp_path, seed, VARIANTS[name])
-    backend, seen = backends.get("highs"), list[Progress]()
-    plain = backend.solve(compiled.model, SolveOptions(gap=1e-6))
-    found = run_strategy(
-        "links", compiled, backend, SolveOptions(gap=1e-6, on_progress=seen.append)
-    )
-    assert found.status is plain.status
-    if plain.objective is None:
-        return
-    assert found.objective == pytest.approx(plain.objective, rel=3e-6, abs=2e-6)
-    slack = 2e-6 * max(1.0, abs(plain.objective))
-    assert all(p.bound is None or p.bound <= plain.objective + slack for p in seen)
+    assert_same_optimum(compiled_mission(tmp_path, seed, VARIANTS[name]))
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -86,7 +66,7 @@ def test_same_optimum_by_branching_alone(
         dive_pairs=60, border_states=borders,
     )  # fmt: skip
     monkeypatch.setattr(tuning, "TEAM", small)
-    compiled = _compiled(tmp_path, seed, Variant(agents=3, steps=3, cells=4))
+    compiled = compiled_mission(tmp_path, seed, Variant(agents=3, steps=3, cells=4))
     backend = backends.get("highs")
     plain = backend.solve(compiled.model, SolveOptions(gap=1e-6))
     found = run_strategy("links", compiled, backend, SolveOptions(gap=1e-4))
@@ -101,7 +81,7 @@ def _agreement(problem: Problem, pool: ThreadPoolExecutor, bins: int = 1) -> Agr
 
 
 def test_sweeps_never_lower_the_bound_and_prices_add_up_to_nothing(tmp_path: Path) -> None:
-    problem = recognise(_compiled(tmp_path, 0, VARIANTS["four"]), borders=True)
+    problem = recognise(compiled_mission(tmp_path, 0, VARIANTS["four"]), borders=True)
     assert problem is not None
     with ThreadPoolExecutor(2) as pool:
         agreement = _agreement(problem, pool)
@@ -118,7 +98,7 @@ def test_sweeps_never_lower_the_bound_and_prices_add_up_to_nothing(tmp_path: Pat
 
 
 def test_one_worker_or_two_find_the_same(tmp_path: Path) -> None:
-    problem = recognise(_compiled(tmp_path, 1, VARIANTS["three"]))
+    problem = recognise(compiled_mission(tmp_path, 1, VARIANTS["three"]))
     assert problem is not None
     found = []
     for workers in (1, 2):
@@ -136,7 +116,7 @@ def test_any_prices_and_potentials_bound_the_optimum(
     seed: int, cells: int | None, tmp_path: Path
 ) -> None:
     """Random ones, on the mission's cells with and without their borders, and on merged ones."""
-    compiled = _compiled(tmp_path, seed, VARIANTS["three"])
+    compiled = compiled_mission(tmp_path, seed, VARIANTS["three"])
     problem = recognise(compiled, borders=cells is None)
     optimum = backends.get("highs").solve(compiled.model, SolveOptions(gap=1e-6)).objective
     assert problem is not None
@@ -159,7 +139,7 @@ def test_any_prices_and_potentials_bound_the_optimum(
 @pytest.mark.parametrize("seed", SEEDS)
 def test_what_is_dropped_holds_no_better_plan(seed: int, tmp_path: Path) -> None:
     """With a cutoff just above the optimum, the optimal plan's states stay alive."""
-    compiled = _compiled(tmp_path, seed, VARIANTS["three"])
+    compiled = compiled_mission(tmp_path, seed, VARIANTS["three"])
     problem, backend = recognise(compiled, borders=True), backends.get("highs")
     plain = recognise(compiled)
     assert problem is not None
