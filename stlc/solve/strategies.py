@@ -31,7 +31,7 @@ from stlc.solve.link_search import LINKS
 from stlc.solve.routes.strategy import ROUTES
 from stlc.solve.strategy import Strategy, Work
 from stlc.solve.teams.groups import GROUPS
-from stlc.solve.teams.neighbourhoods import NEIGHBOURHOODS
+from stlc.solve.teams.improvement import NEIGHBOURHOODS
 from stlc.solve.teams.turns import TURNS
 
 ENTRY_POINTS = "stlc.strategies"

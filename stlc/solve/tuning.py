@@ -129,8 +129,15 @@ class Near:
     worth: float = 0.3  # gaps: an improvement that counts
     share: float = 0.2  # of the time that is left, for one answer
     seconds: float = 10.0  # and at most
-    effort: float = 0.5  # of the time that is left, for all of them
-    alone: float = 0.5  # of that, to plan around what agents do alone
+    least: float = 2.0  # s, and at least
+    effort: float = 0.6  # of the time that is left, for all of them
+    joint: float = 0.4  # of that, for a plan beside what agents do alone
+    bound: float = 0.1  # and where agents are bound to each other: what they do alone is no guide
+    alone: float = 0.5  # and to plan around that in turn
+    beside: tuple[float, ...] = (0.02, 0.035, 0.06, 0.1)  # of the workspace: tubes around that
+    radius: float = 0.04  # of the workspace: the first tube around a plan
+    wider: float = 1.6
+    narrowest: float = 0.005
     priced: float = 0.25  # and where links cost: bounds take longer there
     most: float = 300.0  # s
 

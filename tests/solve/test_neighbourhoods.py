@@ -14,7 +14,7 @@ from stlc.solve import tuning
 from stlc.solve.judge import Judge
 from stlc.solve.strategies import run_strategy
 from stlc.solve.strategy import Work
-from stlc.solve.teams.neighbourhoods import NEIGHBOURHOODS
+from stlc.solve.teams.improvement import NEIGHBOURHOODS
 
 HIGHS = backends.get("highs")
 EXACT = SolveOptions(gap=1e-6)

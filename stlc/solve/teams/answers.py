@@ -13,7 +13,8 @@ from stlc.arrays import Floats
 from stlc.backends.base import Backend, Capability, Progress, SolveOptions, Status
 from stlc.errors import InfeasibleError, SolverError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
-from stlc.solve.alone.run import Run
+from stlc.solve.alone.bounds import bounded
+from stlc.solve.alone.run import LoneRun, Run
 from stlc.solve.deadline import Deadline
 from stlc.solve.mip_start import hold
 from stlc.solve.strategy import Work
@@ -53,11 +54,13 @@ class Answers:
     backend: Backend
     options: SolveOptions
     couplings: Couplings
+    lone: tuple[LoneRun, ...] = ()
 
     @staticmethod
     def of(work: Work) -> Answers:
         """Those of a solve under way."""
-        return Answers(work.compiled, work.backend, work.options, Couplings.of(work.compiled))
+        couplings = Couplings.of(work.compiled)
+        return Answers(work.compiled, work.backend, work.options, couplings, work.lone)
 
     def find(
         self, free: Sequence[str], runs: Runs, effort: Effort, met: frozenset[str] = frozenset()
@@ -96,6 +99,7 @@ class Answers:
         mission = against(self.compiled.mission, free, held, self.compiled.channels)
         try:
             team = compile_mission(mission, CompileOptions(link=self.compiled.link))
+            team = bounded(team, [one for one in self.lone if one.agent in free])
             start = self._start(team, runs, replace(asked, on_progress=None, gap=0.0))
             found = self.backend.solve(team.model, replace(asked, start=start))
         except InfeasibleError:

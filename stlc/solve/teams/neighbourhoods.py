@@ -9,52 +9,66 @@ are let go at once.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import combinations
 
-from stlc.mission import TermKind
+import numpy as np
+
 from stlc.solve import tuning
-from stlc.solve.alone.run import Run
+from stlc.solve.alone.run import LoneRun, Run
 from stlc.solve.deadline import Deadline
-from stlc.solve.strategy import Strategy, Work
 from stlc.solve.teams.answers import Answers, Effort
-from stlc.solve.teams.turns import NEEDED, Turns
-from stlc.solve.teams.whole import completed
 
 Free = tuple[str, ...]
-
-_LEAST = 1e-4  # relative: runs that are held to within 1e-5 differ by less than this in cost
+_SAME = 1e-4  # of states and inputs: runs are held to within a tenth of that
 
 
 @dataclass(slots=True, eq=False)
 class Neighbourhoods:
-    """A plan `runs`, better and better; `worth` is the least improvement that counts."""
+    """A plan `runs`, better and better; `worth` is the least improvement that counts.
+
+    `lone` are agents alone, where that is known, and `spare` is how much less each might cost:
+    agents that cost no more than alone are left as they are."""
 
     answers: Answers
     deadline: Deadline
     runs: dict[str, Run]
     worth: float
     gap: float
+    lone: Mapping[str, LoneRun]
+    spare: dict[str, float]
     _met: dict[Free, frozenset[str]] = field(default_factory=dict)
     _seen: dict[Free, int] = field(default_factory=dict)  # the change at which it was last solved
     _changed: dict[str, int] = field(default_factory=dict)  # the last change of each agent
     _changes: int = 1
 
+    def follow(self, runs: Mapping[str, Run], spare: Mapping[str, float]) -> None:
+        """Go on from another plan."""
+        moved = [name for name, run in runs.items() if not _alike(run, self.runs[name])]
+        self.runs, self.spare = dict(runs), dict(spare)
+        self._note(moved)
+
     def sweep(self, size: int) -> bool:
         """Free so many agents at a time; whether any of them bettered the plan."""
-        return any([self._better(free) for free in list(self._groups(size))])
+        groups = list(self._groups(size))
+        return any([self._better(free, len(groups) - k) for k, free in enumerate(groups)])
 
     def _groups(self, size: int) -> Iterator[Free]:
-        """Single agents, or groups that meet; those with the latest changes first."""
+        """Single agents, or groups that meet, with something to spare; those with the most first,
+        then those with the latest changes."""
         near = {name: self._met.get((name,), frozenset()) for name in self.runs}
         groups = [
             free
             for free in combinations(self.runs, size)
-            if size == 1 or all(_meets(name, free, near) for name in free)
+            if self._spare(free) > self.worth
+            and (size == 1 or all(_meets(name, free, near) for name in free))
         ]
         groups.sort(key=lambda free: -max(self._changed.get(name, 0) for name in free))
-        yield from groups
+        yield from sorted(groups, key=lambda free: -self._spare(free))
+
+    def _spare(self, free: Free) -> float:
+        return sum(self.spare.get(name, np.inf) for name in free)
 
     def _is_stale(self, free: Free) -> bool:
         """Whether something has changed nearby since it was last looked at."""
@@ -62,100 +76,43 @@ class Neighbourhoods:
         near = {*free, *self._met.get(free, ())}
         return not seen or any(self._changed.get(name, 0) > seen for name in near)
 
-    def _better(self, free: Free) -> bool:
-        """Take the best that the agents `free` can do against the others, if it is better."""
+    def _better(self, free: Free, left: int) -> bool:
+        """Take the best that the agents `free` can do against the others, if it is better; `left`
+        groups share the time."""
         if self.deadline.over() or not self._is_stale(free):
             return False
-        moment = self.deadline.share(tuning.NEAR.share, tuning.NEAR.seconds)
-        met = self._met.get(free, frozenset())
-        answer = self.answers.find(free, self.runs, Effort(moment, self.gap), met)
+        near, part = tuning.NEAR, self.deadline.left / (1 + left)
+        moment = self.deadline.within(min(max(part, near.least), near.seconds))
+        answer = self.answers.find(
+            free, self.runs, Effort(moment, self.gap), self._in_the_way(free)
+        )
         self._met[free] = answer.met
         self._seen[free] = self._changes
         if answer.runs is None or not answer.gain > self.worth:
             return False
         self.runs |= answer.runs
-        self._changes += 1
-        self._changed.update(dict.fromkeys(free, self._changes))
+        part = answer.gain / self._spare(free)
+        self.spare.update({n: (1 - part) * self.spare[n] for n in free if n in self.spare})
+        self._note(free)
         return True
+
+    def _in_the_way(self, free: Free) -> frozenset[str]:
+        """Who was met before, and who is where the free agents would be alone."""
+        alone = {n: one.run for n in free if (one := self.lone.get(n)) and one.run is not None}
+        runs, alike = {**self.runs, **alone}, self.answers.couplings.get_along
+        crossed = (o for o in self.runs if not all(alike(n, o, runs) for n in alone))
+        return self._met.get(free, frozenset()) | frozenset(crossed)
+
+    def _note(self, moved: Iterable[str]) -> None:
+        """Take note of agents whose runs have changed."""
+        self._changes += 1
+        self._changed.update(dict.fromkeys(moved, self._changes))
+
+
+def _alike(one: Run, other: Run) -> bool:
+    return all(np.allclose(a, b, atol=_SAME, rtol=0.0) for a, b in zip(one, other, strict=True))
 
 
 def _meets(name: str, free: Free, near: Mapping[str, frozenset[str]]) -> bool:
     others = set(free) - {name}
     return bool(near[name] & others) or any(name in near[other] for other in others)
-
-
-@dataclass(slots=True, eq=False)
-class Improvement:
-    """The search from the incumbent of a work, points reported as they come."""
-
-    work: Work
-    deadline: Deadline
-
-    def run(self) -> Work:
-        """The work with the best point found."""
-        self._take_alone()
-        if self.work.x is None or self.work.proven():
-            return self.work
-        search, size = self._from_incumbent(), 1
-        while size <= tuning.NEAR.agents and not (self.deadline.over() or self.work.proven()):
-            before = self.work.value
-            if search.sweep(size):
-                self._take(search.runs, "neighbourhoods")
-                search.runs = self._runs()
-            size = 1 if self.work.value < before - search.worth else size + 1
-        return self.work
-
-    def _take_alone(self) -> None:
-        """A plan of what agents do alone, as far as that gets along."""
-        alone = {one.agent: one.run for one in self.work.lone if one.run is not None}
-        if not alone or self._take(alone, "agents alone"):
-            return
-        deadline = self.deadline.share(tuning.NEAR.alone)
-        runs = Turns(Answers.of(self.work), deadline, alone).plan(list(self.work.compiled.states))
-        if runs is not None:
-            self._take(runs, "turns")
-
-    def _from_incumbent(self) -> Neighbourhoods:
-        value, gap = abs(self.work.value), self.work.options.gap
-        worth = max(tuning.NEAR.worth * gap * value, _LEAST * (1 + value))
-        answers = Answers.of(self.work)
-        gap = max(gap, tuning.NEAR.gap)
-        return Neighbourhoods(answers, self.deadline, self._runs(), worth, gap)
-
-    def _runs(self) -> dict[str, Run]:
-        assert self.work.x is not None
-        made = self.work.compiled.decode(self.work.x)
-        return {name: (made.states[name], made.inputs[name]) for name in made.states}
-
-    def _take(self, runs: Mapping[str, Run], finder: str) -> bool:
-        """Complete runs of all agents; whether they make a better plan."""
-        work = self.work
-        if not runs.keys() >= work.compiled.states.keys():
-            return False
-        asked = work.deadline.bind(work.options)
-        found = completed(work.compiled, runs, work.backend, asked)
-        self.work = work.with_point(found, finder)
-        return self.work is not work
-
-
-def _improve(work: Work) -> Work:
-    priced = TermKind.LINK_COST in _kinds(work)
-    share = tuning.NEAR.priced if priced else tuning.NEAR.effort
-    return Improvement(work, work.deadline.share(share, tuning.NEAR.most)).run()
-
-
-def _kinds(work: Work) -> set[TermKind]:
-    return {term.kind for term in work.compiled.mission.objective if term.weight != 0}
-
-
-def _may_improve(work: Work) -> bool:
-    """A team with a plan, or with what its agents do alone, that costs effort or links; pairs that
-    pay for their link have `link_search.py`."""
-    kinds, agents = _kinds(work), len(work.compiled.mission.agents)
-    pair = agents == 2 and TermKind.LINK_COST in kinds
-    team = agents > 1 and not pair and TermKind.ROBUSTNESS not in kinds
-    known = work.x is not None or bool(work.lone)
-    return team and bool(kinds) and known and work.can(NEEDED)
-
-
-NEIGHBOURHOODS = Strategy("neighbourhoods", _may_improve, _improve)

@@ -1,0 +1,78 @@
+"""The whole model within a tube around runs of all agents.
+
+Near runs most alternatives of disjunctions are out of reach: of the obstacles one side is left,
+and of all pairs only those that meet have anything to decide. So what lone runs miss of getting
+along is made good at little cost, and a plan is bettered for all agents at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from stlc.backends.base import Capability, Solution, Status
+from stlc.errors import SolverError
+from stlc.milp.compile import Compiled
+from stlc.milp.model import Model
+from stlc.solve import tuning
+from stlc.solve.alone.run import Run
+from stlc.solve.deadline import Deadline
+from stlc.solve.routes.tube import tube
+from stlc.solve.strategy import Work
+
+
+def beside(work: Work, runs: Mapping[str, Run], deadline: Deadline) -> Work:
+    """With the best plan near runs of all agents that need not get along: in the narrowest tube
+    that holds one."""
+    states = {name: run[0] for name, run in runs.items()}
+    size = extent(work.compiled)
+    for part in tuning.NEAR.beside:
+        near = tube(work.compiled, states, part * size)
+        found = _solved(work, near, deadline)
+        if found is None or found.status is not Status.INFEASIBLE:
+            return work if found is None else work.with_point(found.x, "runs beside lone ones")
+    return work
+
+
+@dataclass(slots=True)
+class Corridor:
+    """Tubes around the incumbent: wider while they are solved, narrower where they bring nothing
+    in their time. `radius` and `least` are parts of the workspace; `idle`: nothing is left to try.
+    """
+
+    radius: float = tuning.NEAR.radius
+    idle: bool = False
+
+    def better(self, work: Work, deadline: Deadline) -> Work:
+        """The work with the best plan of the next tube."""
+        assert work.x is not None
+        states = work.compiled.decode(work.x).states
+        near = tube(work.compiled, states, self.radius * extent(work.compiled))
+        found = _solved(work, near, deadline)
+        if found is None:
+            self.idle = True
+            return work
+        better = work.with_point(found.x, "tubes")
+        if found.status is Status.OPTIMAL:
+            self.radius *= tuning.NEAR.wider
+        elif better is work:
+            self.radius /= tuning.NEAR.wider
+        self.idle = not tuning.NEAR.narrowest <= self.radius <= 1.0
+        return better
+
+
+def extent(compiled: Compiled) -> float:
+    """The longest side of what positions of any agent span [m]."""
+    ranges = compiled.ranges.values()
+    return max(float((r.position_upper.max(0) - r.position_lower.min(0)).max()) for r in ranges)
+
+
+def _solved(work: Work, model: Model, deadline: Deadline) -> Solution | None:
+    """A solve on the way, from the incumbent; None where the solver failed."""
+    start = work.x if work.can(Capability.START) else None
+    gap = max(tuning.NEAR.gap, work.options.gap)
+    asked = replace(deadline.bind(work.options), gap=gap, start=start, on_progress=None)
+    try:
+        return work.backend.solve(model, asked)
+    except SolverError:
+        return None  # one try of several

@@ -1,0 +1,127 @@
+"""The strategy `neighbourhoods`: a plan of a team, better and better.
+
+What agents do alone is a plan where it gets along; where it nearly does, the whole model within a
+tube around it mostly holds one that costs little more. Then a few agents answer the others anew,
+and the whole model is solved within tubes around the incumbent, in turn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from stlc.mission import TermKind
+from stlc.solve import tuning
+from stlc.solve.alone.run import Run
+from stlc.solve.deadline import Deadline
+from stlc.solve.strategy import Strategy, Work
+from stlc.solve.teams.answers import Answers
+from stlc.solve.teams.corridors import Corridor, beside
+from stlc.solve.teams.couplings import Couplings
+from stlc.solve.teams.neighbourhoods import Neighbourhoods
+from stlc.solve.teams.turns import NEEDED, Turns
+from stlc.solve.teams.whole import completed
+
+_LEAST = 1e-4  # relative: runs that are held to within 1e-5 differ by less than this in cost
+
+
+@dataclass(slots=True, eq=False)
+class Improvement:
+    """The search from the incumbent of a work, points reported as they come."""
+
+    work: Work
+    deadline: Deadline
+    priced: bool  # links cost: whole models are large then
+
+    def run(self) -> Work:
+        """The work with the best point found."""
+        self._take_alone()
+        if self.work.x is None or self.work.proven():
+            return self.work
+        search, corridor, size = self._from_incumbent(), Corridor(idle=self.priced), 1
+        while not (self.deadline.over() or self.work.proven()):
+            before = self.work.value
+            if not corridor.idle:
+                self.work = corridor.better(self.work, self._moment())
+                search.follow(self._runs(), self._spare())
+            if size <= tuning.NEAR.agents and search.sweep(size):
+                self._take(search.runs, "neighbourhoods")
+                search.follow(self._runs(), self._spare())
+            size = 1 if self.work.value < before - search.worth else size + 1
+            if corridor.idle and size > tuning.NEAR.agents:
+                break
+        return self.work
+
+    def _moment(self) -> Deadline:
+        return self.deadline.share(tuning.NEAR.share, tuning.NEAR.seconds)
+
+    def _take_alone(self) -> None:
+        """A plan of what agents do alone: as it is, nearby, or as far as that gets along."""
+        alone = {one.agent: one.run for one in self.work.lone if one.run is not None}
+        if not alone or self._take(alone, "agents alone"):
+            return
+        if alone.keys() >= self.work.compiled.states.keys():
+            bound = any(Couplings.of(self.work.compiled).bound.values())
+            part = tuning.NEAR.bound if bound else tuning.NEAR.joint
+            self.work = beside(self.work, alone, self.deadline.share(part))
+        if self.work.x is not None:
+            return
+        deadline = self.deadline.share(tuning.NEAR.alone)
+        runs = Turns(Answers.of(self.work), deadline, alone).plan(list(self.work.compiled.states))
+        if runs is not None:
+            self._take(runs, "turns")
+
+    def _from_incumbent(self) -> Neighbourhoods:
+        value, gap = abs(self.work.value), self.work.options.gap
+        worth = max(tuning.NEAR.worth * gap * value, _LEAST * (1 + value))
+        gap = max(gap, tuning.NEAR.gap)
+        lone = {one.agent: one for one in self.work.lone}
+        answers = Answers.of(self.work)
+        runs, spare = self._runs(), self._spare()
+        return Neighbourhoods(answers, self.deadline, runs, worth, gap, lone, spare)
+
+    def _runs(self) -> dict[str, Run]:
+        assert self.work.x is not None
+        made = self.work.compiled.decode(self.work.x)
+        return {name: (made.states[name], made.inputs[name]) for name in made.states}
+
+    def _spare(self) -> dict[str, float]:
+        """How much more each agent costs than it does alone, where that is known."""
+        x, model, columns = self.work.x, self.work.compiled.model, self.work.compiled.layout.effort
+        assert x is not None
+        own = {one.agent: columns[one.agent] for one in self.work.lone if one.agent in columns}
+        bounds = {one.agent: one.bound for one in self.work.lone}
+        return {name: float(model.c[k] @ x[k]) - bounds[name] for name, k in own.items()}
+
+    def _take(self, runs: Mapping[str, Run], finder: str) -> bool:
+        """Complete runs of all agents; whether they make a better plan."""
+        work = self.work
+        if not runs.keys() >= work.compiled.states.keys():
+            return False
+        asked = work.deadline.bind(work.options)
+        found = completed(work.compiled, runs, work.backend, asked)
+        self.work = work.with_point(found, finder)
+        return self.work is not work
+
+
+def _improve(work: Work) -> Work:
+    priced = TermKind.LINK_COST in _kinds(work)
+    share = tuning.NEAR.priced if priced else tuning.NEAR.effort
+    return Improvement(work, work.deadline.share(share, tuning.NEAR.most), priced).run()
+
+
+def _kinds(work: Work) -> set[TermKind]:
+    return {term.kind for term in work.compiled.mission.objective if term.weight != 0}
+
+
+def _may_improve(work: Work) -> bool:
+    """A team with a plan, or with what its agents do alone, that costs effort or links; pairs that
+    pay for their link have `link_search.py`."""
+    kinds, agents = _kinds(work), len(work.compiled.mission.agents)
+    pair = agents == 2 and TermKind.LINK_COST in kinds
+    team = agents > 1 and not pair and TermKind.ROBUSTNESS not in kinds
+    known = work.x is not None or bool(work.lone)
+    return team and bool(kinds) and known and work.can(NEEDED)
+
+
+NEIGHBOURHOODS = Strategy("neighbourhoods", _may_improve, _improve)
