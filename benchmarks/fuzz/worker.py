@@ -20,6 +20,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 MEMORY = 6 << 30  # bytes of address space: a monster ends as MemoryError, not with the machine
+GROWN = 400 << 20  # bytes that a process may keep; the next input's peak would hold them too
 CRASH = 70
 
 
@@ -49,7 +50,7 @@ def serve(pipe: Connection) -> None:
         os.chdir(folder)
         ran = run(tuple(words))
         left = threading.active_count() > 1  # a solver that was left behind
-        pipe.send((ran, left))
+        pipe.send((ran, left or _memory("VmRSS") > GROWN))
 
 
 def run(words: tuple[str, ...]) -> Ran:
@@ -69,7 +70,7 @@ def run(words: tuple[str, ...]) -> Ran:
                 status, where = CRASH, _place(error)
         texts = [path.read_bytes().decode("utf-8", "replace") for path in paths]
     spent = time.process_time() - began
-    return Ran(words[0], status, *texts, spent, _peak(), where, words)
+    return Ran(words[0], status, *texts, spent, _memory("VmHWM"), where, words)
 
 
 def _place(error: Exception) -> str:
@@ -103,7 +104,8 @@ def _forget_peak() -> None:
         file.write("5")
 
 
-def _peak() -> int:
+def _memory(what: str) -> int:
+    """One of the kernel's counts of this process's memory [bytes]."""
     with open("/proc/self/status") as file:
-        line = next(x for x in file if x.startswith("VmHWM"))
+        line = next(x for x in file if x.startswith(what))
     return int(line.split()[1]) * 1024

@@ -75,7 +75,7 @@ def _equalities(box: Box, matrix: Floats, step: int) -> None:
     n = box.x_lower.shape[1]
     low = np.concatenate([box.x_lower[step], box.u_lower[step]])
     high = np.concatenate([box.x_upper[step], box.u_upper[step]])
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore", over="ignore"):  # as good as without bound
         a = np.where(matrix == 0, 0.0, matrix * low)
         b = np.where(matrix == 0, 0.0, matrix * high)
     least, most = np.minimum(a, b), np.maximum(a, b)
@@ -87,9 +87,9 @@ def _equalities(box: Box, matrix: Floats, step: int) -> None:
     np.minimum(next_high, most.sum(axis=1) + drift + SLACK + rounding, out=next_high)
     rest_low = _without(least)
     rest_high = _without(most)
-    room_high = (next_high - drift + rounding)[:, None] - rest_low
-    room_low = (next_low - drift - rounding)[:, None] - rest_high
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # to an infinite bound
+        room_high = (next_high - drift + rounding)[:, None] - rest_low
+        room_low = (next_low - drift - rounding)[:, None] - rest_high
         x = room_low / matrix
         y = room_high / matrix
     lower = np.where(matrix > 0, x, np.where(matrix < 0, y, -np.inf))

@@ -158,7 +158,9 @@ def operation(expr: ast.Arithmetic, left: Scalar, right: Scalar) -> Scalar:
 
 def sum_over(expr: ast.Quantifier, env: Env, scope: Scope) -> Scalar:
     """`sum a in agents: a.x`."""
-    total = Scalar(0.0)
-    for inner in instances(expr, env, scope):
-        total = scalars.add(total, scope.scalar(expr.body, inner), expr.span)
-    return total
+    parts = [Scalar(0.0), *(scope.scalar(expr.body, i) for i in instances(expr, env, scope))]
+    while len(parts) > 1:  # by halves: each term is copied a few times, not once for each other
+        pairs = zip(parts[::2], parts[1::2], strict=False)
+        rest = parts[-1:] if len(parts) % 2 else []
+        parts = [*(scalars.add(a, b, expr.span) for a, b in pairs), *rest]
+    return parts[0]

@@ -36,17 +36,12 @@ _Key = tuple[str, int, bool]  # agent, shape, swept
 
 @dataclass(frozen=True, slots=True)
 class _Avoided:
-    """An agent keeps out of a place from step `start` to `end`, as seen from where it is said."""
+    """An agent keeps out of a place."""
 
     agent: Radio
     place: Place
     swept: bool
     span: Span | None
-    start: float = 0.0
-    end: float = 0.0
-
-    def later(self, start: float, end: float) -> _Avoided:
-        return replace(self, start=self.start + start, end=self.end + end)
 
 
 def joined(requirements: Sequence[Requirement], scope: Scope) -> list[Requirement]:
@@ -75,7 +70,7 @@ def _known(scope: Scope) -> Iterator[tuple[Node, _Avoided]]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Kept:
-    """What is avoided (its own window aside), and the windows of steps, merged."""
+    """What is avoided, and the windows of steps, merged."""
 
     avoided: _Avoided
     windows: tuple[Window, ...]
@@ -90,53 +85,57 @@ class _Joints:
     scope: Scope
     known: dict[Node, _Avoided]
     done: dict[Node, Node] = field(default_factory=dict)
+    kept: dict[Node, Mapping[_Key, _Kept]] = field(default_factory=dict)
     plugs: dict[tuple[tuple[int, ...], bool], list[Sweeps]] = field(default_factory=dict)
     neighbours: dict[int, frozenset[int]] = field(default_factory=dict)
 
     def closed(self, node: Node) -> Node:
         """The formula with plugs in every conjunction that demands two touching places."""
-        if node not in self.done:
-            self.done[node] = self._closed(node)
+        for each in _new(node, self.done):
+            self.done[each] = self._closed(each)
         return self.done[node]
 
     def _closed(self, node: Node) -> Node:
-        """The formula with plugs wherever a conjunction keeps an agent out of obstacles that touch.
-
-        What stands under a negation, or left of an implication, needs none: there a gap is
-        harmless.
-        """
+        """The same of a node whose parts are closed already."""
         if node in self.known:
             return node
         match node:
             case And(args=args):
-                parts = [self.closed(a) for a in args]
+                parts = [self.done[a] for a in args]
                 more = [n for seam in self.between(map(self.avoided, parts)) for n in seam]
                 return replace(node, args=(*parts, *more)) if more else with_children(node, parts)
             case Or() | Always() | Eventually() | Until() | Release():
-                return with_children(node, [self.closed(c) for c in node.children])
+                return with_children(node, [self.done[c] for c in node.children])
             case Implies(left=left, right=right):
-                return with_children(node, [left, self.closed(right)])
+                return with_children(node, [left, self.done[right]])
         return node
 
-    def avoided(self, node: Node) -> Iterator[_Avoided]:
+    def avoided(self, node: Node) -> Mapping[_Key, _Kept]:
         """What a formula demands to keep out of, whatever else holds."""
+        for each in _new(node, self.kept):
+            self.kept[each] = self._avoided(each)
+        return self.kept[node]
+
+    def _avoided(self, node: Node) -> Mapping[_Key, _Kept]:
+        """The same of a node whose parts are known already."""
+        found: dict[_Key, _Kept] = {}
         if node in self.known:
-            yield self.known[node]
+            _add(found, self.known[node])
         elif isinstance(node, And):
             for arg in node.args:
-                yield from self.avoided(arg)
+                for kept in self.kept[arg].values():
+                    _add(found, kept.avoided, kept.windows)
         elif isinstance(node, Always):
             end = inf if node.end is None else node.end
-            for found in self.avoided(node.arg):
-                yield found.later(node.start, end)
+            for kept in self.kept[node.arg].values():
+                later = [(a + node.start, b + end) for a, b in kept.windows]
+                _add(found, kept.avoided, later)
+        return found
 
-    def between(self, groups: Iterable[Iterable[_Avoided]]) -> Iterator[list[Node]]:
+    def between(self, groups: Iterable[Mapping[_Key, _Kept]]) -> Iterator[list[Node]]:
         """For each group, conditions on the seams of its places with those of groups before it."""
         before: dict[_Key, _Kept] = {}
-        for group in groups:
-            own: dict[_Key, _Kept] = {}
-            for avoided in group:
-                _add(own, avoided)
+        for own in groups:
             found: dict[Node, None] = {}
             for kept in own.values() if before else ():
                 for nodes in self._seams(kept, before, own):
@@ -193,6 +192,19 @@ class _Joints:
         return self.plugs[key]
 
 
+def _new(root: Node, known: Mapping[Node, object]) -> Iterator[Node]:
+    """What isn't known of a formula, which may be deeper than Python's stack: parts first."""
+    todo = [root]
+    while todo:
+        node = todo[-1]
+        unknown = [child for child in node.children if child not in known]
+        todo += unknown
+        if not unknown:
+            todo.pop()
+            if node not in known:
+                yield node
+
+
 def _within(node: Node, start: float, end: float) -> Node:
     """A node at the steps of a window."""
     if start == end == 0.0:
@@ -200,12 +212,13 @@ def _within(node: Node, start: float, end: float) -> Node:
     return Always(node, int(start), None if end == inf else int(end), span=node.span)
 
 
-def _add(kept: dict[_Key, _Kept], avoided: _Avoided, windows: Sequence[Window] = ()) -> None:
-    """Count in what is avoided, in its own window or several."""
+def _add(
+    kept: dict[_Key, _Kept], avoided: _Avoided, windows: Sequence[Window] = ((0.0, 0.0),)
+) -> None:
+    """Count in what is avoided, within windows of steps."""
     key = (avoided.agent.name, id(avoided.place.shape), avoided.swept)
-    more = windows or [(avoided.start, avoided.end)]
     known = kept.get(key)
-    kept[key] = _Kept(avoided, _merged([*(known.windows if known else ()), *more]))
+    kept[key] = _Kept(avoided, _merged([*(known.windows if known else ()), *windows]))
 
 
 def _merged(windows: Sequence[Window]) -> tuple[Window, ...]:

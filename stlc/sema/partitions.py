@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -81,8 +82,6 @@ def _auto(item: ast.Property | None, model: ChannelModel | None, scope: Scope) -
 
 def _grid(item: ast.Property, args: tuple[ast.Expr, ...], scope: Scope) -> Partition:
     """Cells from counts or edges [m] along both axes."""
-    from stlc.radio.partition import grid
-
     assert scope.workspace is not None, "the channel was refused"
     x_lo, x_hi, y_lo, y_hi = bounds([scope.workspace])
     if len(args) != 2:
@@ -94,7 +93,15 @@ def _grid(item: ast.Property, args: tuple[ast.Expr, ...], scope: Scope) -> Parti
     count = (len(edges[0]) - 1) * (len(edges[1]) - 1)
     if count > MOST_CELLS:
         raise props.bad(item, f"has {count} cells, more than {MOST_CELLS}", USAGE)
-    return grid(edges[0], edges[1])
+    return _made(tuple(edges[0]), tuple(edges[1]))
+
+
+@lru_cache(maxsize=8)
+def _made(x: tuple[float, ...], y: tuple[float, ...]) -> Partition:
+    """One grid for all channels that have the same."""
+    from stlc.radio.partition import grid
+
+    return grid(x, y)
 
 
 def _edges(

@@ -49,9 +49,18 @@ def block(
 def unknown_property(owner: str, item: ast.Property, known: Sequence[str]) -> UnknownProperty:
     """The diagnostic for a key that the block doesn't know."""
     key = item.key
+    if key.text in _VECTORS and "control" in known:
+        hint = f"bounds of all {_VECTORS[key.text]}"
+        return UnknownProperty(span=key.span, owner=owner, name=key.text, hint=hint)
     hint = suggestion(key.text, list(known), f"known: {', '.join(known)}")
     fix = suggested_fix(key.span, key.text, list(known))
     return UnknownProperty(span=key.span, owner=owner, name=key.text, hint=hint, fix=fix)
+
+
+_VECTORS = {
+    "u": "inputs are written `control |u| <= 1`, of the speed `speed <= 2`",
+    "v": "velocities are written `state |v| <= 2`, of their Euclidean norm `speed <= 2`",
+}
 
 
 def bad(item: ast.Property, problem: str, usage: str, span: Span | None = None) -> Mistake:

@@ -30,8 +30,8 @@ FURTHEST = 1e9
 """Largest coordinate [m]: doubles are 1e-7 m apart there, a tenth of a solver's tolerance."""
 
 
-MOST_PLACED = 20_000
-"""Polygons of moving obstacles, over all steps: some three seconds."""
+MOST_PLACED = 6_000
+"""Polygons of moving obstacles, over all steps: some three seconds where each touches eight."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -174,8 +174,12 @@ def _errors(flow: Flow, run: Run, step: float, pieces: int) -> Array:
     third = np.linalg.matrix_power(matrix, 3)[:n]
     if not third.any():
         return np.zeros((len(run.inputs), pieces, n))
-    grown = np.abs(third) @ (exponential(np.abs(matrix) * h) - np.eye(len(matrix)))
+    with np.errstate(all="ignore"):
+        grown = np.abs(third) @ (exponential(np.abs(matrix) * h) - np.eye(len(matrix)))
+    grown[np.isnan(grown)] = np.inf  # 0 times what overflows: no bound
     starts = _samples(flow, run, step, pieces)[:, :-1]
     fixed = np.column_stack([run.inputs, np.ones(len(run.inputs))])
     z = np.concatenate([starts, np.repeat(fixed[:, None], pieces, axis=1)], axis=2)
-    return np.asarray(_BEND * h**3 * (np.abs(z @ third.T) + np.abs(z) @ grown.T))
+    with np.errstate(all="ignore"):
+        found = np.asarray(_BEND * h**3 * (np.abs(z @ third.T) + np.abs(z) @ grown.T))
+    return np.where(np.isnan(found), np.inf, found)
