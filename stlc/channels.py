@@ -97,8 +97,10 @@ class ChannelTables:
 
     @property
     def _beyond(self) -> bool:
-        """Whether tables must be tight beyond the threshold too: robustness is maximised."""
-        return any(t.kind is TermKind.ROBUSTNESS for t in self.mission.objective)
+        """Whether tables must be tight beyond the threshold too: robustness is maximised, or what
+        it lacks counts."""
+        kinds = {term.kind for term in self.mission.objective}
+        return bool(self.mission.preferences) or TermKind.ROBUSTNESS in kinds
 
     def _alike(self, channel: Channel, pair: Pair) -> tuple[object, ...]:
         """Two pairs of agents share a model's table, unless offsets or heights tell them apart."""

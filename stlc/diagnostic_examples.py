@@ -15,10 +15,6 @@ EXAMPLES: Final[dict[str, tuple[str, str]]] = {
     "E0103": ('import "lib.stl', 'import "lib.stl"'),
     "E0104": ("require a: eventually (r1 in dock", "require a: eventually (r1 in dock)"),
     "E0105": ("require a: eventually[0, 5] r1 in dock)", "require a: eventually[0, 5] r1 in dock"),
-    "E0107": (
-        "prefer quick: eventually[0, 5] r1 in dock",
-        "require quick: eventually[0, 8] r1 in dock",
-    ),
     "E0108": (
         "require a: always[0, 5] (r1 in dock implies once r1 in yard)",
         "require a: (not r1 in dock) until[0, 5] r1 in yard",
@@ -214,6 +210,10 @@ EXAMPLES: Final[dict[str, tuple[str, str]]] = {
     "E0705": (
         "require a: eventually[0, 5] r1.x >= 30 m",
         "require a: eventually[0, 5] r1.x >= 3 m",
+    ),
+    "E0706": (
+        "prefer a late: always[0, 5] r1 in dock",
+        "prefer a share: always[0, 5] r1 in dock",
     ),
     "E0806": (
         "require a: always[0, 9000] (r1.x >= 0 m until[0, 9000] r1.y >= 1 m)",

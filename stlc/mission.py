@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from stlc.ir.requirement import Requirement
 from stlc.places import Obstacle, Polytope, Region
+from stlc.preferences import Preference
 from stlc.sense import Sense
 from stlc.source import Source, Span
 
@@ -180,6 +181,7 @@ class TermKind(Enum):
     EFFORT = "effort"
     LINK_COST = "link_cost"
     ROBUSTNESS = "robustness"
+    VIOLATION = "violation"
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,6 +192,7 @@ class ObjectiveTerm:
     LINK_COST: sum_{t in window, t>=1} of the channel's cost over `pairs`.
     ROBUSTNESS: of one requirement, or of all together (`requirement` None: their minimum, each
     divided by `scales[unit]`).
+    VIOLATION: of the preference that `requirement` names, over its scale.
     `normalised` divides a cost by its static range. `window` None is all steps.
     """
 
@@ -205,11 +208,21 @@ class ObjectiveTerm:
     span: Span | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class Cap:
+    """The sum of `terms`, as an objective counts them, is at most `limit`; `name` says of what."""
+
+    name: str
+    terms: tuple[ObjectiveTerm, ...]
+    limit: float
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Mission:
     """A mission that has passed every check.
 
-    `workspace_swept`: the workspace holds between samples too, not at the steps alone.
+    `workspace_swept`: the workspace holds between samples too, not at the steps alone. `caps` are
+    no part of a file: they hold what is more important, or the other cost of a trade-off.
     """
 
     source: Source
@@ -228,6 +241,8 @@ class Mission:
     workspace_swept: bool = False
     sense: Sense = Sense.MINIMIZE  # of what a person sees; `objective` is minimised
     params: Mapping[str, str] = field(default_factory=dict)  # what `-D` set, as it was given
+    preferences: tuple[Preference, ...] = ()
+    caps: tuple[Cap, ...] = ()
 
     def summary(self) -> str:
         """One line: agents, requirements, horizon."""

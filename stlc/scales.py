@@ -22,7 +22,7 @@ def static_range(mission: Mission, term: ObjectiveTerm, tables: ChannelTables) -
     1 for a term that isn't normalised, or whose range is empty. Raises StlcError when an agent's
     weighted state or input has no finite bound.
     """
-    if not term.normalised or term.kind is TermKind.ROBUSTNESS:
+    if not term.normalised or term.kind in (TermKind.ROBUSTNESS, TermKind.VIOLATION):
         return 1.0
     effort = term.kind is TermKind.EFFORT
     width = _effort(mission, term) if effort else _link_cost(mission, term, tables)

@@ -8,9 +8,9 @@ import pytest
 
 from stlc.diagnostics import Fix, Note
 from stlc.record import changed
+from stlc.sema.objective_errors import BadObjective
 from stlc.source import Source
 from stlc.syntax import ast
-from stlc.syntax.errors import ReservedWord
 
 SPAN = Source("t.stl", "x + 1").span(0, 1)
 
@@ -44,7 +44,7 @@ def test_records_are_frozen() -> None:
 
 
 def test_records_survive_pickling() -> None:
-    for record in (Note("why"), Fix(SPAN, "y"), ReservedWord(word="prefer")):
+    for record in (Note("why"), Fix(SPAN, "y"), BadObjective(problem="why")):
         again = pickle.loads(pickle.dumps(record))
         assert type(again) is type(record)
     assert pickle.loads(pickle.dumps(Note("why"))) == Note("why")

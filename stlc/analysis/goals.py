@@ -18,7 +18,7 @@ from stlc.analysis.bounds import LinkBounds, static_bounds, unknown
 from stlc.analysis.ranges import Ranges
 from stlc.errors import UsageError
 from stlc.ir.requirement import Requirement
-from stlc.mission import Mission, TermKind
+from stlc.mission import Mission, ObjectiveTerm, TermKind
 
 Scales = tuple[tuple[str, float], ...]
 
@@ -29,13 +29,17 @@ class Goal:
 
     requirement: str | None
     scales: Scales
-    weight: float  # objective coefficient, negative: robustness is maximised
+    weight: float  # objective coefficient, negative: robustness is maximised; 0 for a cap's
     low: float
     high: float
 
     def scale(self, unit: str) -> float:
         """What one unit of the column is worth in a predicate's unit."""
         return dict(self.scales).get(unit, 1.0)
+
+    def is_of(self, term: ObjectiveTerm) -> bool:
+        """Whether it is the column of that robustness term."""
+        return (self.requirement, self.scales) == _key(term)
 
     def covers(self, name: str) -> bool:
         """Whether it speaks of that requirement."""
@@ -65,23 +69,30 @@ def goals_of(
     links: LinkBounds = unknown,
     known: Sequence[Goal] = (),
 ) -> tuple[Goal, ...]:
-    """The robustness columns of the objective, with static ends; requirements are unrolled.
+    """The robustness columns of the objective and of caps, with static ends; requirements are
+    unrolled.
 
     `known` are the goals of the same objective with earlier ends, which stay valid.
     """
     earlier = {(g.requirement, g.scales): g.high for g in known}
     weights: dict[tuple[str | None, Scales], float] = {}
-    for term in mission.objective:
+    capped = [term for cap in mission.caps for term in cap.terms]
+    for term, counts in [*((t, 1.0) for t in mission.objective), *((t, 0.0) for t in capped)]:
         if term.kind is TermKind.ROBUSTNESS:
             if term.weight > 0:
                 raise UsageError("robustness can be maximised, not minimised")
-            key = (term.requirement, tuple(sorted(term.scales.items())))
-            weights[key] = weights.get(key, 0.0) + term.weight
+            key = _key(term)
+            weights[key] = weights.get(key, 0.0) + counts * term.weight
+    kept = {_key(t) for t in capped if t.kind is TermKind.ROBUSTNESS}
     return tuple(
         _goal(name, scales, weight, requirements, ranges, links, earlier.get((name, scales)))
         for (name, scales), weight in weights.items()
-        if weight < 0
+        if weight < 0 or (name, scales) in kept
     )
+
+
+def _key(term: ObjectiveTerm) -> tuple[str | None, Scales]:
+    return term.requirement, tuple(sorted(term.scales.items()))
 
 
 def _goal(

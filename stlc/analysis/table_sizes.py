@@ -77,7 +77,8 @@ def _predicates(mission: Mission) -> Iterator[tuple[int, Span | None]]:
 
 def _costs(mission: Mission, ranges: Mapping[str, Ranges]) -> Iterator[tuple[int, Span | None]]:
     """Entries of each link cost's table, and of what is in reach of its pairs at its steps."""
-    for term in mission.objective:
+    capped = (term for cap in mission.caps for term in cap.terms)
+    for term in (*mission.objective, *capped):
         if term.kind is not TermKind.LINK_COST or term.channel is None or not term.pairs:
             continue
         channel = mission.channels[term.channel]

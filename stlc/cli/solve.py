@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,9 +26,11 @@ from stlc.errors import InfeasibleError, SolverError
 if TYPE_CHECKING:
     from stlc.mission import Mission
     from stlc.solve.events import Listener
+    from stlc.solve.given_up import Price
     from stlc.solve.outcome import Outcome, SolveSettings
 
 _GRACE = 0.4  # s that a solver may overrun its limit, or Ctrl-C, before it is left behind
+_KEEPING = 10.0  # s for each preference that was given up: a reply is worth no longer wait
 _EXPLAIN = 20.0  # s for all solves that look for a conflict
 
 
@@ -103,9 +105,13 @@ def solve_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, .
                 raise
             complain(str(error))
             return _explain(mission, settings, tell, str(error))
+        priced = () if given.no_explain else _prices(mission, outcome, settings, stop)
     if given.csv_path:
         outcome.plan.write_csv(given.csv_path)
-    answer(outcome.as_dict()) if given.as_json else click.echo(_summary(outcome))
+    if given.as_json:
+        answer(outcome.as_dict() | {"keeping": [asdict(price) for price in priced]})
+    else:
+        click.echo(_summary(outcome, priced))
     if outcome.refused is not None:
         complain(outcome.refused)
         return SolverError.exit_status
@@ -118,6 +124,17 @@ def _solve(
     from stlc.solve.driver import solve_mission
 
     return solve_mission(mission, settings, tell, stop)
+
+
+def _prices(
+    mission: Mission, outcome: Outcome, settings: SolveSettings, stop: Callable[[], bool]
+) -> tuple[Price, ...]:
+    """What keeping the preferences that were given up would have cost."""
+    if all(r.kept for r in outcome.report.preferences):
+        return ()
+    from stlc.solve.given_up import prices
+
+    return prices(mission, outcome, settings, _KEEPING, stop)
 
 
 def _explain(mission: Mission, settings: SolveSettings, tell: Listener, told: str) -> int:
@@ -152,7 +169,7 @@ def _settings(mission: Mission, given: _Words) -> SolveSettings:
     )  # fmt: skip
 
 
-def _summary(outcome: Outcome) -> str:
+def _summary(outcome: Outcome, priced: tuple[Price, ...]) -> str:
     """What a person sees of a solve: status, robustness of each requirement, notes, seconds."""
     info = outcome.plan.solve
     gap = "" if info.gap is None else f", gap {info.gap:.2%}"
@@ -162,6 +179,8 @@ def _summary(outcome: Outcome) -> str:
         f"  {r.name:20} robustness {'-' if r.robustness is None else plain(r.robustness)}"
         for r in outcome.plan.requirements
     ]
+    lines += [f"  {p}" for p in outcome.report.preferences]
+    lines += [f"    {price.text(info.objective or 0.0)}" for price in priced]
     lines += [f"  note: {c}" for c in outcome.report.clearances if c.is_cut]
     if outcome.confirmation is not None:
         lines.append(f"  second solver: {outcome.confirmation}")

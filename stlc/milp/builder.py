@@ -28,6 +28,7 @@ class ModelBuilder:
     _row_blocks: list[Block] = field(default_factory=list)
     _costs: list[tuple[Ints, Floats]] = field(default_factory=list)
     _used: dict[str, int] = field(default_factory=dict)
+    _sum: tuple[int, float] | None = None  # where costs begin that are to become a row; the offset
 
     @property
     def columns(self) -> int:
@@ -104,6 +105,21 @@ class ModelBuilder:
         """Add to the objective coefficients of existing columns (accumulates)."""
         c, v = np.broadcast_arrays(np.asarray(cols), np.asarray(cost, dtype=float))
         self._costs.append((c.ravel(), v.ravel()))
+
+    def begin_sum(self) -> None:
+        """What is added to existing columns' costs from now on is a row's, not the objective's."""
+        self._sum = len(self._costs), self.offset
+
+    def end_sum(self, name: str, upper: float) -> None:
+        """Add the row: what was gathered since `begin_sum`, constants included, is <= `upper`."""
+        assert self._sum is not None
+        (first, before), self._sum = self._sum, None
+        gathered, self._costs = self._costs[first:], self._costs[:first]
+        constant, self.offset = self.offset - before, before
+        cols = np.concatenate([np.empty(0, np.int64), *(c for c, _ in gathered)])
+        values = np.concatenate([np.empty(0), *(v for _, v in gathered)])
+        zeros = np.zeros(len(cols), np.int64)
+        self.add_rows(name, zeros, cols, values, -np.inf, upper - constant, count=1)
 
     def build(self) -> Model:
         """Freeze. Duplicates are summed, exact zeros dropped, indices sorted."""

@@ -23,13 +23,14 @@ from stlc.ir.nodes import Node
 from stlc.milp.big_m import leaky_big_ms
 from stlc.milp.builder import ModelBuilder
 from stlc.milp.context import Context
-from stlc.milp.costs import add_objective, reserve_link_costs
+from stlc.milp.costs import add_caps, add_objective, reserve_link_costs
 from stlc.milp.dynamics import add_agents
 from stlc.milp.formulas.encoder import FormulaEncoder
 from stlc.milp.formulas.link_predicates import LinkEncoder
 from stlc.milp.formulas.selectors import selector_named
 from stlc.milp.layout import Layout
 from stlc.milp.model import Model, Origin
+from stlc.milp.preferences import lowered
 from stlc.milp.stage_rows import add_cuts, add_hulls
 from stlc.milp.unsolvable import check_controlled, check_magnitudes
 from stlc.mission import Mission
@@ -76,9 +77,9 @@ class CompileStats:
 class Compiled:
     """The model, and what is needed to read a point of it.
 
-    `robustness[name]` is the column of a robustness objective and its static bounds; name None is
-    the whole mission's. `warnings` are of numbers that solvers may trip over. `link` is the link
-    encoding that was asked for.
+    `mission` is without preferences, which were lowered. `robustness[name]` is the column of a
+    robustness objective and its static bounds; name None is the whole mission's. `warnings` are of
+    numbers that solvers may trip over. `link` is the link encoding that was asked for.
     """
 
     model: Model
@@ -121,13 +122,16 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     check_controlled(mission)
     check_size(mission, options.max_size)
     tables = LinkTables(mission, options.hopeful, options.tables)
-    ranges = reach(mission)
+    ranges: Mapping[str, Ranges] = reach(mission)
     check_tables(mission, ranges, options.max_size)
+    plain = lowered(mission, ranges, tables)
+    mission, ranges = plain.mission, plain.ranges
     program = Program(mission.requirements, mission, ranges, tables)
     program, passes = run_pipeline(
         program, options.disabled_passes, options.print_after, options.show
     )
     ctx = Context(mission, ModelBuilder(), program.ranges)
+    ctx.layout.stand_ins = plain.stand_ins
     add_agents(ctx)
     goals = program.known_goals()
     rho = {goal: _add_goal(ctx, goal) for goal in goals}
@@ -135,7 +139,8 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     notes = _add_requirements(ctx, program, goals, rho, tables, options)
     if "stages" not in options.disabled_passes:
         _add_stages(ctx, program)
-    notes += add_objective(ctx, tables, options.link)
+    notes += add_objective(ctx, tables, options.link) + add_caps(ctx, rho, tables, options.link)
+    ctx.builder.offset += plain.offset
     model = ctx.builder.build()
     check_magnitudes(model)
     stats = CompileStats(sizes(model), passes, time.perf_counter() - began, notes)

@@ -10,11 +10,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from stlc.analysis.goals import Goal
 from stlc.analysis.link_tables import LinkTables
 from stlc.arrays import Floats, Ints
 from stlc.errors import UsageError
@@ -44,8 +45,31 @@ def add_objective(ctx: Context, tables: LinkTables, encoding: str) -> tuple[str,
                 _add_effort(ctx, term, tables)
             case TermKind.LINK_COST:
                 notes += _add_link_cost(ctx, term, tables, encoding)
-            case TermKind.ROBUSTNESS:
-                continue  # its column carries the weight
+            case TermKind.ROBUSTNESS | TermKind.VIOLATION:
+                continue  # its column carries the weight; violations were lowered
+    return tuple(notes)
+
+
+def add_caps(
+    ctx: Context, rho: Mapping[Goal, int], tables: LinkTables, encoding: str
+) -> tuple[str, ...]:
+    """Add a row for each cap: its costs, encoded as those of the objective, add up to no more."""
+    notes: list[str] = []
+    for cap in ctx.mission.caps:
+        ctx.builder.begin_sum()
+        for term in cap.terms:
+            ctx.builder.origin = Origin(f"cap on {cap.name}", term.span)
+            match term.kind:
+                case TermKind.EFFORT:
+                    _add_effort(ctx, term, tables)
+                case TermKind.LINK_COST:
+                    notes += _add_link_cost(ctx, term, tables, encoding)
+                case TermKind.ROBUSTNESS:
+                    goal = next(g for g in rho if g.is_of(term))
+                    ctx.builder.add_cost([rho[goal]], [term.weight])
+                case TermKind.VIOLATION:
+                    raise AssertionError("violations are lowered before anything is encoded")
+        ctx.builder.end_sum("cap", cap.limit)
     return tuple(notes)
 
 
@@ -116,7 +140,8 @@ def _add_absolute(ctx: Context, part: _Entries, weight: float) -> Ints:
     if weight < 0:
         raise UsageError("effort can be minimised, not maximised: give it a positive weight")
     top = np.maximum(-part.lower, part.upper)[~known]
-    size = ctx.builder.add_columns("abs", (len(cols),), 0.0, top, cost=costs)
+    size = ctx.builder.add_columns("abs", (len(cols),), 0.0, top)
+    ctx.builder.add_cost(size, costs)
     pairs = np.column_stack([size, cols])
     for sign in (1.0, -1.0):
         ctx.builder.add_dense_rows("abs", pairs, [1.0, sign], 0.0, np.inf)

@@ -104,7 +104,8 @@ class Layout:
 
     states[agent] (T+1, n) and inputs[agent] (T, m) are columns; dynamics[agent] (T, n) the rows
     of x(t+1) = A x(t) + B u(t) + drift; effort[agent] the columns that price its states and
-    inputs and nothing else; `encoded` one entry for each requirement.
+    inputs and nothing else; `encoded` one entry for each requirement; `stand_ins` are agents that
+    the compiler made up and no plan has.
     """
 
     states: dict[str, Ints] = field(default_factory=dict)
@@ -113,6 +114,7 @@ class Layout:
     effort: dict[str, Ints] = field(default_factory=dict)
     encoded: tuple[Encoded, ...] = ()
     pairs: list[PairColumns] = field(default_factory=list)
+    stand_ins: frozenset[str] = frozenset()
 
     def add_effort(self, agent: str, columns: Ints) -> None:
         """Note columns that price this agent alone."""

@@ -8,19 +8,28 @@ from dataclasses import replace
 from typing import TypeVar
 
 from stlc.errors import MissionError
-from stlc.ir.requirement import Requirement
 from stlc.loader import Loader, MemoryLoader
 from stlc.mission import Mission, ObjectiveTerm
-from stlc.sema import agents, channels, checks, clock, horizon, imports, objective
+from stlc.sema import (
+    agents,
+    channels,
+    checks,
+    clock,
+    demands,
+    horizon,
+    imports,
+    objective,
+    preferences,
+)
 from stlc.sema.costs import is_cost
 from stlc.sema.expressions import evaluate
 from stlc.sema.files import Files
-from stlc.sema.joints import joined
-from stlc.sema.name_errors import NotHere, Redeclared
+from stlc.sema.name_errors import Redeclared
 from stlc.sema.overrides import overrides
 from stlc.sema.report import Mistake, Report, with_note
 from stlc.sema.scope import Scope
 from stlc.sema.shapes import Shaper
+from stlc.sema.statements import of, single
 from stlc.sema.time_errors import BadStep
 from stlc.sema.unit_errors import UnknownUnit
 from stlc.sema.units import SECOND, UnknownUnitName, parse_unit
@@ -64,10 +73,6 @@ def analyse(
     return replace(mission, params={name: str(value) for name, value in (params or {}).items()})
 
 
-def _of(statements: Iterable[ast.Statement], kind: type[S]) -> list[S]:
-    return [s for s in statements if isinstance(s, kind)]
-
-
 def _each(items: Iterable[S], declare: Callable[[S], object], report: Report) -> None:
     for item in items:
         with report.guard():
@@ -81,9 +86,9 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
     from the formulas.
     """
     report, shaper = scope.report, Shaper(scope, files)
-    _step(_single(statements, ast.Step, report), scope)
-    _each(_of(statements, ast.Param), lambda s: scope.value(s.value), report)
-    space = _single(statements, ast.Workspace, report)
+    _step(single(statements, ast.Step, report), scope)
+    _each(of(statements, ast.Param), lambda s: scope.value(s.value), report)
+    space = single(statements, ast.Workspace, report)
     declare_workspace(space, file.source.text, shaper)
     _each(_first(statements, ast.RegionDecl, scope), shaper.region, report)
     _each(_first(statements, ast.ObstacleDecl, scope), shaper.obstacle, report)
@@ -93,21 +98,27 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
     _each(_first(statements, ast.StationDecl, scope), lambda s: agents.station(s, shaper), report)
     radios = _first(statements, ast.ChannelDecl, scope)
     _each(radios, lambda s: channels.declare(s, scope, files), report)
-    _unused_lets(_of(statements, ast.Let), scope)
-    requirements = joined(_requirements(statements, scope), scope)
-    terms = _objective(_of(statements, ast.Objective), scope)
-    given = _horizon(_single(statements, ast.Horizon, report), scope)
+    _unused_lets(of(statements, ast.Let), scope)
+    requirements = demands.required(statements, scope)
+    wishes = demands.preferred(statements, scope)
+    terms = _objective(of(statements, ast.Objective), scope)
+    given = _horizon(single(statements, ast.Horizon, report), scope)
     moves = None if report.errors else next((a.span for a in scope.agents.values()), None)
-    steps = horizon.derive(requirements, given, objective.last_step(terms), moves, report)
-    requirements = _carried_on(statements, requirements, steps, shaper)
-    swept = holds_between(space, requirements, scope)
+    formulas = demands.together(requirements, wishes)
+    steps = horizon.derive(formulas, given, objective.last_step(terms), moves, report)
+    requirements, wishes = demands.carried_on(statements, requirements, wishes, steps, shaper)
+    swept = holds_between(space, formulas, scope)
+    wishes = demands.finished(wishes, terms, steps, scope)
     mission = Mission(
         source=file.source, step=scope.step, horizon=steps, workspace=scope.workspace,
         agents=scope.agents, stations=scope.stations, regions=scope.regions,
         obstacles=scope.obstacles, channels=scope.channels, requirements=tuple(requirements),
-        objective=objective.finish(terms, tuple(requirements), steps, report),
-        sense=objective.sense(_of(statements, ast.Objective)), signals=tuple(scope.signals),
-        workspace_swept=swept,
+        objective=(
+            *objective.finish(terms, tuple(requirements), steps, report),
+            *preferences.terms(wishes, None),
+        ),
+        sense=objective.sense(of(statements, ast.Objective)), signals=tuple(scope.signals),
+        workspace_swept=swept, preferences=tuple(wishes),
     )  # fmt: skip
     return checks.checked(mission, scope)
 
@@ -164,16 +175,7 @@ def _signal_units(statement: ast.SignalDecl, scope: Scope) -> None:
 def _first(statements: list[ast.Statement], kind: type[S], scope: Scope) -> list[S]:
     """The declarations of a kind, without those whose name was taken before."""
     declared = set(map(id, scope.declarations.values()))
-    return [s for s in _of(statements, kind) if id(s) in declared]
-
-
-def _single(statements: list[ast.Statement], kind: type[S], report: Report) -> S | None:
-    found = _of(statements, kind)
-    for again in found[1:]:
-        what = kind.__name__.lower()
-        problem, hint = f"`{what}` stands twice", "keep one of the two"
-        report.add(NotHere(span=again.span, problem=problem, hint=hint))
-    return found[0] if found else None
+    return [s for s in of(statements, kind) if id(s) in declared]
 
 
 # --- single statements -------------------------------------------------------------------------
@@ -220,71 +222,7 @@ def _unused_lets(lets: list[ast.Let], scope: Scope) -> None:
                 scope.used = used
 
 
-# --- requirements ------------------------------------------------------------------------------
-
-
-def _carried_on(
-    statements: list[ast.Statement],
-    requirements: list[Requirement],
-    steps: int,
-    shaper: Shaper,
-) -> list[Requirement]:
-    """The requirements once more, with obstacles that move for ever carried on to the horizon."""
-    scope = shaper.scope
-    moving = [s for s in _of(statements, ast.ObstacleDecl) if s.velocity is not None]
-    if not moving or scope.report.errors:
-        return requirements
-    scope.last_step, scope.placed = steps, 0
-    for statement in moving:
-        with scope.report.guard():
-            shaper.obstacle(statement)
-    report, scope.report = scope.report, Report()  # all was reported the first time
-    scope.memo.clear()
-    scope.requirements.clear()
-    again = joined(_requirements(statements, scope), scope)
-    scope.report = report
-    return again
-
-
-def _requirements(statements: list[ast.Statement], scope: Scope) -> list[Requirement]:
-    """All that can be read, under their own names or the next free `requirementN`."""
-    margin = 0.0
-    statement = _single(statements, ast.Margin, scope.report)
-    if statement is not None:
-        with scope.report.guard():
-            margin = _margin(statement.value, scope)
-    found: dict[str, Requirement] = {}
-    taken = {s.name.text for s in _of(statements, ast.Require) if s.name}
-    for number, item in enumerate(_of(statements, ast.Require), start=1):
-        name = item.name.text if item.name else _free_name(f"requirement{number}", taken)
-        if name in found and item.name is not None:
-            diagnostic = Redeclared(span=item.name.span, name=name)
-            scope.report.add(with_note(diagnostic, "declared here before", found[name].span))
-        scope.requirements.append(name)
-        with scope.report.guard():
-            found[name] = _requirement(item, name, margin, scope)
-    return list(found.values())
-
-
-def _free_name(name: str, taken: set[str]) -> str:
-    """The name, lengthened until no requirement has it."""
-    while name in taken:
-        name += "_"
-    return name
-
-
-def _margin(expr: ast.Expr, scope: Scope) -> float:
-    value = scope.constant(expr).constant
-    if value < 0:
-        expected = "0 or more"
-        raise Mistake(BadStep(span=expr.span, name="margin", expected=expected, usage="margin 0.1"))
-    return value
-
-
-def _requirement(statement: ast.Require, name: str, margin: float, scope: Scope) -> Requirement:
-    own = margin if statement.margin is None else _margin(statement.margin, scope)
-    formula = scope.formula(statement.formula, Env({}, margin=own))
-    return Requirement(name, formula, own, statement.span)
+# --- objective ---------------------------------------------------------------------------------
 
 
 def _objective(statements: list[ast.Objective], scope: Scope) -> list[ObjectiveTerm]:

@@ -117,7 +117,8 @@ def _inside(agent: Agent, obstacle: Obstacle) -> bool:
 
 def _requirements(mission: Mission, scope: Scope) -> None:
     """Warns of what no run satisfies, what every run does, and what the start rules out."""
-    if not mission.requirements and not scope.report.errors:
+    asked = mission.requirements or mission.preferences
+    if not asked and not scope.report.errors:
         scope.report.add(NoRequirement(span=mission.source.span(0, 0)))
     known = boxes(mission.agents, mission.workspace)
     anywhere = StaticRange(known)

@@ -38,6 +38,22 @@ class MixedRobustness(Diagnostic):
     usage: str
 
 
+class BadPreference(Diagnostic):
+    """A `prefer` whose weight, priority, scale or measure has no meaning.
+
+    `prefer name weight 2 priority 1 scale 2 dB: ..` measures what the robustness lacks; with `late`
+    it counts seconds past a deadline, with `share` the parts that fail. Weights are 0 or more,
+    scales above 0, priorities 1, 2, .., and 1 comes first.
+    """
+
+    code: ClassVar[str] = "E0706"
+    title: ClassVar[str] = "{problem}"
+    label: ClassVar[str] = "not a preference"
+    help: ClassVar[str] = "{hint}"
+    problem: str
+    hint: str = "write for example `prefer close weight 2 scale 1 m: always distance(a, b) <= 3 m`"
+
+
 class NegativeWeight(Diagnostic):
     """A cost has a negative weight, or robustness is minimised: the optimum would be unbounded.
 

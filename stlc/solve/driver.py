@@ -25,6 +25,7 @@ from stlc.solve.events import (
 )
 from stlc.solve.job import Job
 from stlc.solve.outcome import Outcome, SolveSettings
+from stlc.solve.tiers import priorities, solve_in_tiers
 
 if TYPE_CHECKING:
     from stlc.mission import Mission
@@ -41,16 +42,29 @@ def solve_mission(
     `listen` and `should_stop` are called in this thread. When `should_stop` says so, and on
     KeyboardInterrupt, the best plan so far is the outcome. Where a second solver refutes a claim
     that there is none, it goes on from the point that it found. Channels with `partition auto` get
-    finer grids where whole cells rule out what points of them may offer. Raises InfeasibleError
-    (confirmed by a second solver), NoPlanError at a limit with nothing in hand,
+    finer grids where whole cells rule out what points of them may offer. Preferences with
+    priorities are solved for in tiers. Raises InfeasibleError (confirmed by a second solver),
+    NoPlanError at a limit with nothing in hand,
     InterruptedSolveError when stopped with nothing in hand, SolverError when the solver is
     missing, fails or its answer is refused, and DisagreementError when the verifier refuses
     what the Model accepts.
     """
-    from stlc.solve.refine import refined_if_cells
-
     settings = settings or SolveSettings()
     deadline = Deadline.after(settings.time_limit, should_stop)
+    if not priorities(mission):
+        return _on_grids(mission, settings, listen, deadline)
+    return solve_in_tiers(
+        mission, settings, listen, deadline,
+        lambda tier, asked, until: _on_grids(tier, asked, listen, until),
+    )  # fmt: skip
+
+
+def _on_grids(
+    mission: Mission, settings: SolveSettings, listen: Listener, deadline: Deadline
+) -> Outcome:
+    """Plan a mission, on finer grids where its channels choose them and need them."""
+    from stlc.solve.refine import refined_if_cells
+
     while True:
         try:
             return _solve_on(mission, settings, listen, deadline)

@@ -24,9 +24,10 @@ def complete_start(compiled: Compiled, plan: Plan) -> Floats | None:
     None too when the plan has other agents, another horizon, or breaks the mission.
     """
     runs = {name: (np.asarray(r.states), np.asarray(r.inputs)) for name, r in plan.runs.items()}
-    if not runs.keys() >= compiled.states.keys():
+    needed = compiled.states.keys() - compiled.layout.stand_ins
+    if not runs.keys() >= needed:
         return None
-    fixed = hold(compiled, {name: runs[name] for name in compiled.states})
+    fixed = hold(compiled, {name: runs[name] for name in needed})
     if fixed is None:
         return None
     return get("highs").solve(fixed, SolveOptions(time_limit=_SECONDS, gap=0.0)).x

@@ -48,6 +48,8 @@ def run_strategy(
 def run_strategies(strategies: Sequence[Strategy], work: Work) -> Solution:
     """Run those that apply, in order, until one answers or the time is over."""
     for strategy in strategies:
+        if work.compiled.mission.caps and not strategy.heeds_caps:
+            continue
         if not strategy.applies(work):
             continue
         step = strategy.run(work)
@@ -118,8 +120,8 @@ def solve_twice_if_infeasible(model: Model, backend: Backend, options: SolveOpti
     return first if again.status in (Status.INFEASIBLE, Status.NO_SOLUTION) else again
 
 
-BRIEF = Strategy("brief", _is_small, _try_briefly)
-MILP = Strategy("milp", lambda work: True, _solve_whole)
+BRIEF = Strategy("brief", _is_small, _try_briefly, heeds_caps=True)
+MILP = Strategy("milp", lambda work: True, _solve_whole, heeds_caps=True)
 STRATEGIES: tuple[Strategy, ...] = (
     BRIEF, TURNS, GROUPS, ROUTES, LONE, NEIGHBOURHOODS, LINKS, DIVE, MILP,
 )  # fmt: skip

@@ -132,8 +132,12 @@ class Work:
 
 @dataclass(frozen=True, slots=True)
 class Strategy:
-    """One step. `applies` is cheap and looks at the work alone; `run` answers or hands on."""
+    """One step. `applies` is cheap and looks at the work alone; `run` answers or hands on.
+
+    `heeds_caps`: it may run where the mission has caps, rows that several agents' costs share.
+    """
 
     name: str
     applies: Callable[[Work], bool]
     run: Callable[[Work], Work | Solution]
+    heeds_caps: bool = False

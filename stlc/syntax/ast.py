@@ -241,10 +241,21 @@ class Require(Statement):
     margin: Expr | None = None
 
 
+class Wish(Record):
+    """One word of a `prefer`: `weight 2`, `priority 1`, `margin 0.1`, `scale 2 dB`, `late`,
+    `share`; the last two have no value."""
+
+    word: str
+    value: Expr | None
+    span: Span
+
+
 class Prefer(Statement):
-    """Reserved for soft requirements: `prefer close weight 2: ..`."""
+    """`prefer close weight 2: ..`; the name is optional."""
 
     name: Ident | None
+    formula: Expr
+    wishes: tuple[Wish, ...] = ()
 
 
 class Objective(Statement):

@@ -168,6 +168,15 @@ class StatementBuilder(ExprBuilder):
     def require_bare(self, start: int, end: int, c: Children) -> ast.Statement:
         return ast.Require(self.span(start, end), None, c[0])
 
+    def wish(self, start: int, end: int, c: Children) -> ast.Wish:
+        span = self.span(start, end)
+        return ast.Wish(span.text.split()[0], c[0] if c else None, span)
+
+    def prefer(self, start: int, end: int, c: Children) -> ast.Statement:
+        name, *wishes, formula = c
+        named = self.ident(name) if name is not None else None
+        return ast.Prefer(self.span(start, end), named, formula, tuple(wishes))
+
     def minimize(self, start: int, end: int, c: Children) -> ast.Statement:
         return ast.Objective(self.span(start, end), "minimize", c[0])
 

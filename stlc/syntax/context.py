@@ -14,6 +14,7 @@ from stlc.syntax.neighbours import (
     QUANTIFIERS,
     SHAPED,
     TEMPORAL,
+    WISHES,
     Neighbours,
     plain,
     symbol_terminals,
@@ -69,21 +70,14 @@ class _Context(Neighbours):
             self._signal()
         elif kind == "ST_REQUIRE":
             self._require()
+        elif kind == "ST_PREFER":
+            self.wishing = True
+            if self._here().text not in WISHES or self._peek().text == ":":
+                self._plain_name()
         elif kind in NAMED:
             self._plain_name()
             if kind == "ST_STATION" and self._here().text == "at":
                 self._take("AT", operand=False)
-
-    def _here(self) -> Token:
-        return self.tokens[self.at] if self.at < len(self.tokens) else NOTHING
-
-    def _take(self, kind: str, *, operand: bool) -> None:
-        self._emit(kind, self._here(), operand=operand)
-        self.at += 1
-
-    def _plain_name(self) -> None:
-        if self._here().kind == NAME:
-            self._take(NAME, operand=True)
 
     def _require(self) -> None:
         after = self._peek()
@@ -115,6 +109,9 @@ class _Context(Neighbours):
             return
         if self._last == "DOT" or self._last in QUANTIFIERS:
             self._emit(NAME, token, operand=True)
+            return
+        if self.wishing and not self.frames and token.text in WISHES:
+            self._emit(WISHES[token.text], token, operand=False)
             return
         in_list = bool(self.frames) and self.frames[-1] == "["
         if self.shaped and not in_list and self._shape_word(token):
@@ -210,7 +207,9 @@ class _Context(Neighbours):
             if text == ";" or not self._listing():
                 self._separate(token)
         else:
-            self._emit(symbol_terminals()[plain(text)], token, operand=False)
+            kind = symbol_terminals()[plain(text)]
+            self.wishing = self.wishing and (kind != "COLON" or bool(self.frames))
+            self._emit(kind, token, operand=False)
             self.key_due = False
 
     def _open(self, token: Token) -> None:

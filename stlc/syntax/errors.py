@@ -90,24 +90,6 @@ class NestingTooDeep(Diagnostic):
     limit: int
 
 
-class ReservedWord(Diagnostic):
-    """`prefer` is reserved for soft requirements, which do not exist yet.
-
-    Write what has to hold as a `require`; what is merely better goes into the objective, for
-    example `maximize robustness(name)` or `minimize link_cost(channel)`.
-    """
-
-    code: ClassVar[str] = "E0107"
-    title: ClassVar[str] = "`{word}` is reserved for soft requirements"
-    label: ClassVar[str] = "not available yet"
-    help: ClassVar[str] = (
-        "write `require` for what must hold, and put what is merely better into `minimize` or "
-        "`maximize`, for example `maximize robustness`"
-    )
-
-    word: str
-
-
 class PastOperator(Diagnostic):
     """Formulas look forward in time: past operators (once, historically, since, previously) aren't.
 
@@ -129,8 +111,8 @@ class UnknownStatement(Diagnostic):
     """Each statement starts with its keyword at the start of a line.
 
     The keywords are import, param, signal, step, horizon, margin, workspace, dynamics, agent,
-    station, region, obstacle, channel, let, require, minimize and maximize. A line that starts
-    with none of them continues the statement above it.
+    station, region, obstacle, channel, let, require, prefer, minimize and maximize. A line that
+    starts with none of them continues the statement above it.
     """
 
     code: ClassVar[str] = "E0109"

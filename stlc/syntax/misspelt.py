@@ -30,8 +30,8 @@ def misspelt(source: Source, tokens: list[Token], index: int) -> Diagnostic | No
 
 
 def _in_formula(tokens: list[Token], index: int) -> bool:
-    """Whether the token stands in the formula of a `require` or `let`, and not in its head."""
-    formulas = tokens[0].kind in ("ST_REQUIRE", "ST_LET")
+    """Whether the token stands in a formula of `require`, `prefer` or `let`, not in its head."""
+    formulas = tokens[0].kind in ("ST_REQUIRE", "ST_PREFER", "ST_LET")
     return formulas and any(t.kind in ("COLON", "EQ") for t in tokens[: index - 1])
 
 

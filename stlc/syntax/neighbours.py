@@ -21,6 +21,10 @@ NAMED: Final = frozenset(
     {"ST_PARAM", "ST_DYNAMICS", "ST_AGENT", "ST_STATION", "ST_REGION", "ST_OBSTACLE"}
     | {"ST_CHANNEL", "ST_LET"}
 )
+WISHES: Final = {
+    word: word.upper() for word in ("weight", "priority", "margin", "scale", "late", "share")
+}
+"""Words in the head of a `prefer`, and their terminals."""
 # Symbols after which a word in front of them was a name, not an operator.
 _NAME_BEFORE: Final = frozenset(
     {"LE", "LT", "GE", "GT", "EQEQ", "NE", "PLUS", "STAR", "SLASH", "CARET", "EQ", "COLON"}
@@ -63,7 +67,7 @@ class Neighbours:
     `frames` are the open brackets, bars included.
     """
 
-    __slots__ = ("at", "frames", "key_due", "operand", "out", "shaped", "tokens")
+    __slots__ = ("at", "frames", "key_due", "operand", "out", "shaped", "tokens", "wishing")
 
     def __init__(self, tokens: list[Token]) -> None:
         self.tokens = tokens
@@ -72,6 +76,7 @@ class Neighbours:
         self.at = 0
         self.operand = False  # the last token completes an operand
         self.key_due = False  # a property starts here
+        self.wishing = False  # in the head of a `prefer`
         self.shaped = False
 
     def _emit(self, kind: str, token: Token, *, operand: bool) -> None:
@@ -79,6 +84,17 @@ class Neighbours:
             token = Token(kind, token.text, token.start, token.end)
         self.out.append(token)
         self.operand = operand
+
+    def _here(self) -> Token:
+        return self.tokens[self.at] if self.at < len(self.tokens) else NOTHING
+
+    def _take(self, kind: str, *, operand: bool) -> None:
+        self._emit(kind, self._here(), operand=operand)
+        self.at += 1
+
+    def _plain_name(self) -> None:
+        if self._here().kind == NAME:
+            self._take(NAME, operand=True)
 
     def _peek(self, ahead: int = 1) -> Token:
         """The raw token that many places on, newlines not counted."""

@@ -11,11 +11,11 @@ from stlc.source import Source
 from stlc.syntax import ast
 from stlc.syntax.build_stmt import StatementBuilder
 from stlc.syntax.context import classify
-from stlc.syntax.errors import NestingTooDeep, ReservedWord, TooManyMistakes
+from stlc.syntax.errors import NestingTooDeep, TooManyMistakes
 from stlc.syntax.lalr import MAX_DEPTH, Builder, Stuck, TooDeep, run
 from stlc.syntax.screen import oversized, stray
-from stlc.syntax.split import Chunk, split, statement_words
-from stlc.syntax.tokens import BAD, COMMENT, NAME, STRING, Token, tokenize
+from stlc.syntax.split import Chunk, split
+from stlc.syntax.tokens import BAD, COMMENT, STRING, Token, tokenize
 
 MAX_MISTAKES: Final = 50
 
@@ -91,30 +91,16 @@ class _Parser:
         return kept
 
     def _chunk(self, chunk: Chunk) -> None:
-        first = chunk.tokens[0]
-        if statement_words().get(first.text) == "ST_PREFER":
-            self._reserved(chunk.tokens)
-        elif any(token.kind == BAD or not _closed(token) for token in chunk.tokens):
+        if any(token.kind == BAD or not _closed(token) for token in chunk.tokens):
             return  # told already
         elif chunk.mistake is not None:
             self.mistakes.append(chunk.mistake)
         else:
             self._statements(chunk.tokens)
 
-    def _reserved(self, tokens: list[Token]) -> None:
-        first, second, *_ = (*tokens[:2], tokens[0])
-        span = self.source.span(first.start, first.end)
-        self.mistakes.append(ReservedWord(span=span, word=first.text))
-        name = self.builder.ident(second) if second.kind == NAME and second != first else None
-        whole = self.source.span(first.start, tokens[-1].end)
-        self.statements.append(ast.Prefer(whole, name))
-
     def _statements(self, raw: list[Token]) -> None:
         """One statement, and those behind it where the line between them is alien."""
         while raw and not self._full(raw[0]):
-            if statement_words().get(raw[0].text) == "ST_PREFER":
-                self._reserved(raw)
-                return
             raw = self._statement(raw)
 
     def _statement(self, raw: list[Token]) -> list[Token]:

@@ -175,7 +175,7 @@ def _named_head(statement: ast.Statement) -> str:
             return f"station {statement.name.text} at {show(statement.position)}"
         case ast.ChannelDecl():
             return f"channel {statement.name.text}"
-        case ast.Let() | ast.Require():
+        case ast.Let() | ast.Require() | ast.Prefer():
             return f"{_formula_head(statement)} {show(_formula(statement))}"
         case ast.Objective():
             return f"{statement.sense} {show(statement.expression)}"
@@ -183,22 +183,25 @@ def _named_head(statement: ast.Statement) -> str:
             return statement.span.text
 
 
-def _formula_head(statement: ast.Let | ast.Require) -> str:
+def _formula_head(statement: ast.Let | ast.Require | ast.Prefer) -> str:
     if isinstance(statement, ast.Let):
         names = ", ".join(name.text for name in statement.parameters)
         return f"let {statement.name.text}{f'({names})' if names else ''} ="
     name = f" {statement.name.text}" if statement.name else ""
+    if isinstance(statement, ast.Prefer):
+        wishes = (f" {w.word}{f' {show(w.value)}' if w.value else ''}" for w in statement.wishes)
+        return f"prefer{name}{''.join(wishes)}:"
     margin = f" margin {show(statement.margin)}" if statement.margin else ""
     return f"require{name}{margin}:"
 
 
-def _formula(statement: ast.Let | ast.Require) -> ast.Expr:
+def _formula(statement: ast.Let | ast.Require | ast.Prefer) -> ast.Expr:
     return statement.body if isinstance(statement, ast.Let) else statement.formula
 
 
 def _broken(statement: ast.Statement) -> str | None:
     """A statement that is too long, on several lines; None where no good break is known."""
-    if not isinstance(statement, ast.Let | ast.Require):
+    if not isinstance(statement, ast.Let | ast.Require | ast.Prefer):
         return None
     formula = _formula(statement)
     if not isinstance(formula, ast.Logical):

@@ -166,7 +166,7 @@ def _single_equals(trouble: Trouble) -> Diagnostic | None:
     if trouble.kind != "EQ" or not trouble.allows("EQEQ") or trouble.index < 2:
         return None
     kinds = [token.kind for token in trouble.tokens[: trouble.index]]
-    if kinds[0] == "ST_REQUIRE" and "COLON" not in kinds:
+    if kinds[0] in ("ST_REQUIRE", "ST_PREFER") and "COLON" not in kinds:
         return None  # `require reach = ..` lacks its colon
     span = trouble.span(trouble.token)
     return SingleEquals(span=span, fix=Fix(span, "=="))

@@ -16,8 +16,9 @@ from stlc.verify.continuous import Extremum, distance, separation
 from stlc.verify.link_models import CellModel, TrueModel, link_series
 from stlc.verify.lone import lone_samples
 from stlc.verify.motion import motion_violations, norm_notes, residual
-from stlc.verify.objective import objective_violations, term_reports, total
+from stlc.verify.objective import cap_values, objective_violations, term_reports, total
 from stlc.verify.paths import Path, is_known, placed, state_paths
+from stlc.verify.preferences import cap_violations, preference_reports
 from stlc.verify.report import Clearance, Report, RequirementReport, Violation
 from stlc.verify.requirements import SweptOverride, judge, position_findings, requirement_violations
 from stlc.verify.shapes import Bodies
@@ -60,12 +61,13 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
         *_violations(subject, requirements, motion, chains, bodies),
         *(v for rigorous, v in findings if rigorous),
         *objective_violations(plan.solve, objective, terms, mission.sense),
+        *cap_violations(cap_values(subject, cells, sampled)),
     )
     return Report(
         mission.source.name, violations, tuple(v for rigorous, v in findings if not rigorous),
         tuple(_notes(subject, motion)), requirements, objective, terms, _residual(mission, plan),
         tuple(_clearances(mission, motion, chains, bodies)), link_series(subject, cells, true),
-        mission.sense,
+        mission.sense, preference_reports(mission, sampled),
     )  # fmt: skip
 
 

@@ -118,11 +118,15 @@ def named_pairs(mission: Mission) -> Iterator[tuple[str, Pair]]:
 
 
 def _mentions(mission: Mission) -> Iterator[tuple[str, Pair]]:
-    for requirement in mission.requirements:
-        for node in walk(requirement.formula):
+    """Every (channel, pair) where it is named."""
+    formulas = [r.formula for r in mission.requirements]
+    formulas += [p.formula for p in mission.preferences]
+    for formula in formulas:
+        for node in walk(formula):
             if isinstance(node, Link):
                 yield node.channel, (node.sender, node.receiver)
-    for term in mission.objective:
+    capped = (term for cap in mission.caps for term in cap.terms)
+    for term in (*mission.objective, *capped):
         if term.kind is TermKind.LINK_COST and term.channel is not None:
             yield from ((term.channel, pair) for pair in term.pairs)
 

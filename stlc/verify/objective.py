@@ -7,11 +7,12 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from stlc.mission import ObjectiveTerm, TermKind
+from stlc.mission import Cap, ObjectiveTerm, TermKind
 from stlc.plan import SolveInfo
 from stlc.scales import static_range, steps_of
 from stlc.sense import Sense
 from stlc.verify.link_models import CellModel
+from stlc.verify.preferences import violation
 from stlc.verify.report import TermReport, Violation
 from stlc.verify.robustness import Evaluator
 from stlc.verify.subject import Subject
@@ -20,7 +21,18 @@ from stlc.verify.trace import Trace
 
 def term_reports(subject: Subject, cells: CellModel, trace: Trace) -> tuple[TermReport, ...]:
     """Every term of the objective; NaN where it can't be judged."""
-    return tuple(_term(subject, term, cells, trace) for term in subject.mission.objective)
+    sense = subject.mission.sense
+    return tuple(_term(subject, t, cells, trace, sense) for t in subject.mission.objective)
+
+
+def cap_values(
+    subject: Subject, cells: CellModel, trace: Trace
+) -> list[tuple[Cap, tuple[float, float] | None]]:
+    """What the terms of each cap add up to, least and greatest over ties."""
+    return [
+        (cap, total([_term(subject, term, cells, trace, Sense.MINIMIZE) for term in cap.terms]))
+        for cap in subject.mission.caps
+    ]
 
 
 def total(terms: Sequence[TermReport]) -> tuple[float, float] | None:
@@ -30,7 +42,9 @@ def total(terms: Sequence[TermReport]) -> tuple[float, float] | None:
     return None if math.isnan(low + high) else (low, high)
 
 
-def _term(subject: Subject, term: ObjectiveTerm, cells: CellModel, trace: Trace) -> TermReport:
+def _term(
+    subject: Subject, term: ObjectiveTerm, cells: CellModel, trace: Trace, sense: Sense
+) -> TermReport:
     """A term's value: an interval where the polygon, tied cells or lengths leave one."""
     match term.kind:
         case TermKind.EFFORT:
@@ -39,18 +53,22 @@ def _term(subject: Subject, term: ObjectiveTerm, cells: CellModel, trace: Trace)
             low, high = _link_cost(subject, term, cells)
         case TermKind.ROBUSTNESS:
             low, high = (_robustness(subject, term, trace, faces=f) for f in (True, False))
+        case TermKind.VIOLATION:
+            low, high = _violation(subject, term, trace)
     scale = static_range(subject.mission, term, subject.tables)
-    weight = subject.mission.sense.own(term.weight)
+    weight = sense.own(term.weight)
     return TermReport(_name(term), weight, low / scale, high / scale, term.span)
 
 
 def _name(term: ObjectiveTerm) -> str:
+    """A term as missions write it."""
     inner = {
         TermKind.EFFORT: "effort",
         TermKind.LINK_COST: f"link_cost({term.channel})",
         TermKind.ROBUSTNESS: f"robustness({term.requirement})"
         if term.requirement
         else "robustness",
+        TermKind.VIOLATION: f"violation({term.requirement})",
     }[term.kind]
     window = f"[{term.window[0]}, {term.window[1]}]" if term.window else ""
     return f"normalised({inner}{window})" if term.normalised else inner + window
@@ -77,6 +95,13 @@ def _link_cost(subject: Subject, term: ObjectiveTerm, cells: CellModel) -> tuple
         for pick in ("least", "greatest")
     )
     return low, high
+
+
+def _violation(subject: Subject, term: ObjectiveTerm, trace: Trace) -> tuple[float, float]:
+    """Violation of the preference meant, over its scale."""
+    meant = next(p for p in subject.mission.preferences if p.name == term.requirement)
+    low, high = violation(meant, trace)
+    return low / meant.scale, high / meant.scale
 
 
 def _robustness(subject: Subject, term: ObjectiveTerm, trace: Trace, *, faces: bool) -> float:

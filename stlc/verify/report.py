@@ -64,6 +64,38 @@ class RequirementReport:
 
 
 @dataclass(frozen=True, slots=True)
+class PreferenceReport:
+    """How much of one preference was given up, in `unit` (robustness: what it lacks of its margin;
+    late: seconds; share: of its parts, 0..1). NaN: it can't be judged."""
+
+    name: str
+    violation: float
+    unit: str
+    measure: str
+    weight: float
+    priority: int | None
+    span: Span | None = None
+
+    @property
+    def kept(self) -> bool:
+        """Whether it holds."""
+        return self.violation <= 1e-6
+
+    def __str__(self) -> str:
+        rank = f"weight {self.weight:g}"
+        if self.priority is not None:
+            rank = f"priority {self.priority}, {rank}"
+        if self.kept:
+            return f"kept {self.name}  ({rank})"
+        lost = {
+            "robustness": f"by {tidy(self.violation)} {self.unit}".rstrip(),
+            "late": f"late by {tidy(self.violation)} s",
+            "share": f"in {100 * self.violation:.4g} % of its parts",
+        }[self.measure]
+        return f"gave up {self.name} {lost}  ({rank})"
+
+
+@dataclass(frozen=True, slots=True)
 class TermReport:
     """One term of the objective, weight left out; a tie at a cell border gives an interval.
 
@@ -123,6 +155,7 @@ class Report:
     clearances: tuple[Clearance, ...]
     links: tuple[LinkSeries, ...]
     sense: Sense = Sense.MINIMIZE  # which way `objective` and the weights of `terms` go
+    preferences: tuple[PreferenceReport, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -142,6 +175,7 @@ class Report:
         lines += [f"  violated: {v}" for v in self.violations]
         lines += [f"  approximate: {v}" for v in self.approximate]
         lines += _requirement_lines(self.requirements)
+        lines += [f"  {p}" for p in self.preferences]
         lines += _objective_lines(self)
         lines += _clearance_lines(self.clearances)
         lines += [f"  note: {note}" for note in self.notes]
@@ -155,6 +189,11 @@ class Report:
             "violations": [_violation(v) for v in self.violations],
             "approximate": [_violation(v) for v in self.approximate],
             "requirements": [_requirement(r) for r in self.requirements],
+            "preferences": [
+                {"name": p.name, "kept": p.kept, "violation": _plain(p.violation),
+                 "unit": p.unit, "measure": p.measure}
+                for p in self.preferences
+            ],
             "sense": self.sense.value,
             "objective": _ends(self.objective),
             "terms": [

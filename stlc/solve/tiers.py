@@ -1,0 +1,71 @@
+"""Preferences in tiers: one solve for each priority, what came before held by caps.
+
+Tier 1 is minimised first; its optimum, and a solver's gap, become a cap for all that follow; the
+objective, with the preferences that are weighed against it, comes last (lexicographic goal
+programming; Ignizio, Goal Programming and Extensions, 1976).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+from stlc.mission import Cap, Mission, ObjectiveTerm, TermKind
+from stlc.sense import Sense
+from stlc.solve.deadline import Deadline
+from stlc.solve.events import DiagnosticEvent, Listener, StatusEvent
+from stlc.solve.outcome import Outcome, SolveSettings
+
+SLACK = 1e-6
+"""What a cap leaves above a tier's value: a solver's feasibility tolerance, as the verifier's."""
+
+Solve = Callable[[Mission, SolveSettings, Deadline], Outcome]
+
+
+def priorities(mission: Mission) -> list[int]:
+    """The tiers in their order."""
+    return sorted({p.priority for p in mission.preferences if p.priority is not None})
+
+
+def solve_in_tiers(
+    mission: Mission, settings: SolveSettings, listen: Listener, deadline: Deadline, solve: Solve
+) -> Outcome:
+    """The plan of the last tier, best in every tier before it.
+
+    Each tier starts from the plan before it and has an equal part of the time that is left. Raises
+    as `solve`.
+    """
+    stages = list(_stages(mission))
+    caps: list[Cap] = list(mission.caps)
+    start = settings.start
+    for number, (label, terms) in enumerate(stages):
+        last = number == len(stages) - 1
+        asked = replace(settings, start=start)
+        share = deadline if last else deadline.share(1.0 / (len(stages) - number))
+        if last:
+            listen(StatusEvent("tier", "the objective"))
+            return solve(replace(mission, caps=tuple(caps)), asked, deadline)
+        listen(StatusEvent("tier", label))
+        tier = replace(mission, objective=terms, sense=Sense.MINIMIZE, caps=tuple(caps))
+        found = solve(tier, replace(asked, save_to=None), share)
+        if found.plan.solve.status != "optimal":
+            text = f"{label} is not proven best within its part of the time"
+            listen(DiagnosticEvent("warning", text))
+        value = found.plan.solve.objective or 0.0
+        caps.append(Cap(label, terms, value + max(SLACK, settings.gap * abs(value))))
+        start = found.plan
+    raise AssertionError("the objective is always the last stage")
+
+
+def _stages(mission: Mission) -> Iterator[tuple[str, tuple[ObjectiveTerm, ...]]]:
+    """What each solve is called and minimises, in order."""
+    for tier in priorities(mission):
+        yield (
+            f"priority {tier}",
+            tuple(
+                ObjectiveTerm(TermKind.VIOLATION, p.weight, requirement=p.name, span=p.span)
+                for p in mission.preferences
+                if p.priority == tier and p.weight
+            ),
+        )
+    yield "the objective", mission.objective
