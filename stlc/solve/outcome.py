@@ -76,16 +76,7 @@ class Outcome:
             "verified": self.report.ok,
             "notes": list(self.report.notes),
             "robustness": {r.name: r.robustness for r in self.plan.requirements},
-            "preferences": [
-                {
-                    "name": r.name,
-                    "kept": r.kept,
-                    "violation": r.violation,
-                    "unit": r.unit,
-                    "measure": r.measure,
-                }
-                for r in self.report.preferences
-            ],
+            "preferences": [p.as_dict() for p in self.report.preferences],
             "ignored": list(self.solution.ignored),
             "confirmation": self.confirmation,
             "refused": self.refused,

@@ -7,7 +7,8 @@ from collections.abc import Iterator, Sequence
 
 from stlc.mission import Cap, Mission
 from stlc.preferences import Measure, Preference
-from stlc.verify.report import PreferenceReport, Violation
+from stlc.verify.preference_report import PreferenceReport
+from stlc.verify.report import Violation
 from stlc.verify.robustness import TOLERANCE, Evaluator
 from stlc.verify.trace import Trace
 

@@ -11,6 +11,7 @@ from typing import Any
 from stlc.plan import LinkSeries, Plan, RequirementValue
 from stlc.sense import Sense
 from stlc.source import Span
+from stlc.verify.preference_report import PreferenceReport
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,38 +62,6 @@ class RequirementReport:
         if self.corners is not None and self.corners < self.margin - 1e-6:
             return False
         return value is not None and value >= self.margin - 1e-6
-
-
-@dataclass(frozen=True, slots=True)
-class PreferenceReport:
-    """How much of one preference was given up, in `unit` (robustness: what it lacks of its margin;
-    late: seconds; share: of its parts, 0..1). NaN: it can't be judged."""
-
-    name: str
-    violation: float
-    unit: str
-    measure: str
-    weight: float
-    priority: int | None
-    span: Span | None = None
-
-    @property
-    def kept(self) -> bool:
-        """Whether it holds."""
-        return self.violation <= 1e-6
-
-    def __str__(self) -> str:
-        rank = f"weight {self.weight:g}"
-        if self.priority is not None:
-            rank = f"priority {self.priority}, {rank}"
-        if self.kept:
-            return f"kept {self.name}  ({rank})"
-        lost = {
-            "robustness": f"by {tidy(self.violation)} {self.unit}".rstrip(),
-            "late": f"late by {tidy(self.violation)} s",
-            "share": f"in {100 * self.violation:.4g} % of its parts",
-        }[self.measure]
-        return f"gave up {self.name} {lost}  ({rank})"
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,11 +158,7 @@ class Report:
             "violations": [_violation(v) for v in self.violations],
             "approximate": [_violation(v) for v in self.approximate],
             "requirements": [_requirement(r) for r in self.requirements],
-            "preferences": [
-                {"name": p.name, "kept": p.kept, "violation": _plain(p.violation),
-                 "unit": p.unit, "measure": p.measure}
-                for p in self.preferences
-            ],
+            "preferences": [p.as_dict() for p in self.preferences],
             "sense": self.sense.value,
             "objective": _ends(self.objective),
             "terms": [
