@@ -15,6 +15,7 @@ import numpy as np
 
 from stlc.analysis.forward import ROUNDING, SLACK, Box, finite_size, image, start_box
 from stlc.analysis.ranges import Ranges
+from stlc.analysis.unreachable import NoState
 from stlc.arrays import Floats
 from stlc.errors import InfeasibleError
 from stlc.ir.nodes import Linear
@@ -139,9 +140,10 @@ def _check(box: Box, why: str) -> None:
     if gap.size and gap.max() > 1e-6:
         step, index = np.unravel_index(int(gap.argmax()), gap.shape)
         name = box.agent.dynamics.states[int(index)]
-        raise InfeasibleError(
+        raise NoState(
+            box.agent.name,
             f"agent '{box.agent.name}' cannot keep {why}: no value of {name} is left at "
-            f"step {int(step)}"
+            f"step {int(step)}",
         )
     u_gap = box.u_lower - box.u_upper
     if u_gap.size and u_gap.max() > 1e-6:

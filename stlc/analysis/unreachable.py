@@ -1,4 +1,4 @@
-"""A requirement that no run within the ranges can meet."""
+"""Requirements that no run within the ranges can meet, and agents left without any state."""
 
 from __future__ import annotations
 
@@ -14,6 +14,14 @@ class Unreachable(InfeasibleError):
     def __init__(self, requirement: Requirement, why: str = "no run can reach its margin") -> None:
         self.requirement = requirement
         super().__init__(f"requirement '{requirement.name}' cannot hold: {why}")
+
+
+class NoState(InfeasibleError):
+    """The intervals of an agent leave it no state at some step."""
+
+    def __init__(self, agent: str, text: str) -> None:
+        self.agent = agent
+        super().__init__(text)
 
 
 def refuse(requirement: Requirement) -> NoReturn:

@@ -189,11 +189,11 @@ def _conflicts(oracle: Oracle, every: bool) -> tuple[Sequence[Conflict], bool]:
     if not every:
         return [conflict_of(oracle, oracle.mission.requirements)], False
     found = list(all_conflicts(oracle))
-    return found, not oracle.deadline.over()
+    return found, not (oracle.open or oracle.deadline.over())
 
 
 def _count(number: int, complete: bool) -> str:
-    more = "" if complete else "; the time ended before all were looked for"
+    more = "" if complete else "; there may be others: some questions took too long"
     return f"{number} minimal conflict{'' if number == 1 else 's'}{more}"
 
 

@@ -107,7 +107,9 @@ def begin(oracle: Oracle, proven: bool = False) -> Verdict | None:
     if proven:
         oracle.note(whole, Verdict.INFEASIBLE)
     verdict = oracle(whole)
-    if verdict is not Verdict.INFEASIBLE and oracle.everybody() is Verdict.INFEASIBLE:
+    unseen = proven or verdict is not Verdict.INFEASIBLE  # agents that nothing is required of
+    if unseen and oracle.everybody() is Verdict.INFEASIBLE:
+        oracle.note((), Verdict.INFEASIBLE)
         return None
     return None if verdict is Verdict.INFEASIBLE else verdict
 
@@ -115,11 +117,11 @@ def begin(oracle: Oracle, proven: bool = False) -> Verdict | None:
 def conflict_of(oracle: Oracle, requirements: tuple[Requirement, ...]) -> Conflict:
     """A minimal conflict among requirements that are infeasible together."""
     oracle.sure = True
-    if oracle.everybody() is Verdict.INFEASIBLE:
+    oracle.note((), Verdict.FEASIBLE)  # unless it is known better; looked at below
+    found = shrink.core(oracle, requirements)
+    if not found or oracle.everybody(oracle.agents(found)) is Verdict.INFEASIBLE:
         return _without_requirements(oracle)
-    oracle.note((), Verdict.FEASIBLE)
-    pieces = shrink.inside(oracle, shrink.core(oracle, requirements))
-    return finished(oracle, pieces)
+    return finished(oracle, shrink.inside(oracle, found))
 
 
 def all_conflicts(oracle: Oracle) -> Iterator[Conflict]:

@@ -36,8 +36,8 @@ def clauses_of(requirements: Pieces) -> Pieces:
 def conflicts(oracle: Oracle, requirements: Pieces) -> Iterator[Pieces]:
     """Minimal conflicts as they are found, until all are or the deadline is over.
 
-    Lone clauses that fail by themselves come first. `oracle.deadline.over()` tells afterwards
-    whether there may be more; a set that couldn't be decided counts as one that can hold.
+    Lone clauses that fail by themselves come first. A set that couldn't be decided counts as one
+    that can hold: `oracle.open` and `oracle.deadline` tell afterwards whether there may be more.
     """
     pieces = clauses_of(requirements)
     seen = _Map(len(pieces))

@@ -12,13 +12,16 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 from functools import partial
 
+import numpy as np
+
 from stlc import backends
-from stlc.analysis.unreachable import Unreachable
+from stlc.analysis.unreachable import NoState, Unreachable
 from stlc.backends.base import Solution, SolveOptions, Status
 from stlc.channels import TableMemo
 from stlc.errors import InfeasibleError, MissionError
 from stlc.explain.givens import Given, Kind, without
-from stlc.ir.nodes import Linear, Link, Role, walk
+from stlc.explain.still import still
+from stlc.ir.nodes import Always, Linear, Link, Role, walk
 from stlc.ir.requirement import Requirement
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.mission import Mission
@@ -28,7 +31,7 @@ from stlc.trajectories import Trajectories
 from stlc.verify.robustness import TOLERANCE, Evaluator
 from stlc.verify.trace import Trace
 
-PATIENCE, LEAST = 5.0, 2.0
+PATIENCE, LEAST = 5.0, 10.0
 """A later question may take so many times as long as the first proof, and at least so many
 seconds: a part of a mission that takes longer than all of it tells little."""
 
@@ -84,11 +87,12 @@ class Oracle:
     grace: float | None = None
     tables: TableMemo = field(default_factory=dict)
     asked: int = 0  # questions that a model was made for
-    sure: bool = True  # none of them was left open
+    sure: bool = True  # none of them was left open (since somebody said so)
+    open: int = 0  # how many were
     blamed: str | None = None  # the requirement that the last proof by intervals names
+    stuck: str | None = None  # the agent that it leaves no state
     _known: dict[Question, Verdict] = field(default_factory=dict)
     _runs: list[_Found] = field(default_factory=list)
-    _alone: Verdict | None = None  # without requirements
     _first: float | None = None  # seconds of the first answer
 
     def __call__(self, pieces: Iterable[Requirement], free: Iterable[Given] = ()) -> Verdict:
@@ -97,16 +101,41 @@ class Oracle:
         verdict = self._settled(question)
         if verdict is None:
             verdict = self._known[question] = self._answer(question)
-        self.sure = self.sure and verdict is not Verdict.UNKNOWN
+        if verdict is Verdict.UNKNOWN:
+            self.sure, self.open = False, self.open + 1
         return verdict
 
     def infeasible(self, pieces: Iterable[Requirement], free: Iterable[Given] = ()) -> bool:
         """Whether it is proven that no run does."""
         return self(pieces, free) is Verdict.INFEASIBLE
 
+    def broken(self, piece: Requirement, others: Iterable[Requirement]) -> tuple[int, int] | None:
+        """First and last step at which a run that meets the others breaks the body of an `always`
+        that is judged from step 0: where it is worth looking. None where no such run is known."""
+        formula = piece.formula
+        if not isinstance(formula, Always) or any(isinstance(n, Link) for n in walk(formula)):
+            return None
+        asked = Question(frozenset(others))
+        agents = self.agents((piece, *asked.pieces))
+        for run in reversed(self._runs):
+            if run.answers(asked, agents):
+                values = run.judge.robustness(formula.arg)[formula.start :]
+                values = (
+                    values if formula.end is None else values[: formula.end + 1 - formula.start]
+                )
+                steps = np.flatnonzero(values < piece.margin - TOLERANCE) + formula.start
+                return (int(steps[0]), int(steps[-1])) if len(steps) else None
+        return None
+
+    def rest(self) -> None:
+        """Know the run of agents that do nothing, if it is one."""
+        run = still(self.mission)
+        if run is not None:
+            self._keep(Question(frozenset()), run)
+
     def note(self, pieces: Iterable[Requirement], verdict: Verdict) -> None:
         """Learn what was proven elsewhere."""
-        self._known[Question(frozenset(pieces))] = verdict
+        self._known.setdefault(Question(frozenset(pieces)), verdict)
 
     def compiled(self, question: Question) -> Compiled:
         """The model of a question; raises as `compile_mission`."""
@@ -133,12 +162,19 @@ class Oracle:
         """The agents that requirements speak of."""
         return frozenset(self.mission.agents) & owners_of(pieces)
 
-    def everybody(self) -> Verdict:
-        """Whether all agents have a run that keeps their bounds, whatever is required."""
-        if self._alone is None:
-            whole = replace(self.mission, requirements=(), objective=())
-            self._alone = self._solve(whole, CompileOptions(tables=self.tables))[0]
-        return self._alone
+    def everybody(self, names: Iterable[str] | None = None) -> Verdict:
+        """Whether these agents (None: all) have runs that keep what they are given."""
+        every = self.mission.agents
+        asked = frozenset(every if names is None else names)
+        nothing = Question(frozenset())
+        if any(run.answers(nothing, asked) for run in self._runs):
+            return Verdict.FEASIBLE
+        agents = {n: a for n, a in every.items() if n in asked}
+        bare = replace(self.mission, agents=agents, requirements=(), objective=())
+        verdict, run = self._solve(bare, CompileOptions(tables=self.tables))
+        if run is not None:
+            self._keep(nothing, run)
+        return verdict
 
     def _settled(self, question: Question) -> Verdict | None:
         if question in self._known:
@@ -174,6 +210,7 @@ class Oracle:
         except InfeasibleError as error:
             if isinstance(error, Unreachable):
                 self.blamed = error.requirement.name.rpartition("#")[0]
+            self.stuck = error.agent if isinstance(error, NoState) else None
             self._first = self._first or watch.seconds
             return Verdict.INFEASIBLE, None
         answer = self._run(compiled)

@@ -30,7 +30,7 @@ Load = Callable[[str], Mission]
 """A mission from a changed text, read as the file was; MissionError where the text is wrong."""
 
 _ROUNDS = 4  # conflicts that are ended one after the other
-_FIRST = (1, 4, 16)  # parts of the longest way at which a knob is tried first
+_FIRST = (1.0, 1.3, 1.7, 2.5, 4.0, 16.0)  # parts of the longest way at which a knob is tried first
 
 
 @dataclass(slots=True)
@@ -202,7 +202,7 @@ class _Try:
     def _far(self) -> int | None:
         """Some count that helps, the farthest first that the text allows; None where none does."""
         for part in _FIRST:
-            count = self.knob.most // part
+            count = int(self.knob.most / part)
             verdict = self._verdict(self.step(count)) if count else Verdict.INFEASIBLE
             if verdict is not None:
                 return count if verdict is Verdict.FEASIBLE else None

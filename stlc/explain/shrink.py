@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import TypeVar
 
 from stlc.explain.givens import Given, Kind, givens_of
-from stlc.explain.oracle import Oracle, channels_of
+from stlc.explain.oracle import Oracle, Verdict, channels_of
 from stlc.explain.weaken import conjuncts, drops, narrowed, window
 from stlc.ir.nodes import Always, walk
 from stlc.ir.requirement import Requirement
@@ -47,45 +47,58 @@ def length_of(piece: Requirement) -> int:
 
 
 def core(oracle: Oracle, requirements: Pieces) -> Pieces:
-    """Whole requirements: a lone one before several, else those that share agents, made few."""
-    lone = _lone(oracle, requirements)
-    if lone is not None:
-        return (lone,)
-    longest = sorted(_related(oracle, requirements), key=length_of, reverse=True)
-    found = minimal(longest, oracle.infeasible)
-    return tuple(r for r in requirements if r in found)
+    """Conjuncts of requirements that conflict: of a lone one before those of several.
+
+    What a proof by intervals names is tried first. A lone one is looked for last, when the runs
+    found on the way have settled most of them.
+    """
+    blamed = [r for r in requirements if r.name == oracle.blamed]
+    focus = oracle.agents(blamed) | frozenset(filter(None, [oracle.stuck]))
+    if len(requirements) == 1 or (blamed and oracle.infeasible(blamed)):
+        return _apart(oracle, blamed or requirements, focus)
+    found = _apart(oracle, requirements, focus)
+    names = {piece.name for piece in found}
+    if len(names) == 1:
+        return found
+    others = sorted((r for r in requirements if r.name not in names), key=length_of)
+    oracle.rest()
+    lone = next((r for r in others if oracle.infeasible([r])), None)
+    return found if lone is None else _apart(oracle, [lone], frozenset())
 
 
-def _lone(oracle: Oracle, requirements: Pieces) -> Requirement | None:
-    """The shortest requirement that fails by itself; first the one that intervals blame."""
-    if len(requirements) == 1:
-        return requirements[0]
-    order = sorted(requirements, key=lambda r: (r.name != oracle.blamed, length_of(r)))
-    return next((r for r in order if oracle.infeasible([r])), None)
+def _apart(oracle: Oracle, requirements: Sequence[Requirement], focus: frozenset[str]) -> Pieces:
+    """A minimal conflict of the conjuncts of infeasible requirements: they say the same."""
+    pieces = tuple(dict.fromkeys(p for r in requirements for p in conjuncts(r)))
+    oracle.note(pieces, Verdict.INFEASIBLE)
+    longest = sorted(_near(oracle, pieces, focus), key=length_of, reverse=True)
+    return minimal(longest, oracle.infeasible)
 
 
-def _related(oracle: Oracle, requirements: Pieces) -> Pieces:
-    """Of the groups of requirements that share agents one that fails by itself."""
-    groups: list[tuple[frozenset[str], Pieces]] = []
-    for requirement in requirements:
-        agents: frozenset[str] = oracle.agents([requirement])
-        members: Pieces = (requirement,)
-        for other in [g for g in groups if g[0] & agents]:
-            groups.remove(other)
-            agents, members = agents | other[0], other[1] + members
-        groups.append((agents, members))
-    if len(groups) == 1:
-        return requirements
-    return next((m for _, m in groups if len(m) > 1 and oracle.infeasible(m)), requirements)
+def _near(oracle: Oracle, pieces: Pieces, focus: frozenset[str]) -> Pieces:
+    """Those that already conflict of what is asked of the agents in focus, of them and those they
+    have to do with, or of agents that have to do with each other."""
+    about = {piece: oracle.agents([piece]) for piece in pieces}
+    rings = []
+    if focus:
+        rings += [focus, focus.union(*(a for a in about.values() if focus & a))]
+    for agents in (*rings, *_groups(about.values())):
+        near = tuple(p for p in pieces if about[p] <= agents)
+        if 0 < len(near) < len(pieces) and oracle.infeasible(near):
+            return near
+    return pieces
 
 
-def inside(oracle: Oracle, requirements: Pieces) -> Pieces:
-    """Down to conjuncts, parts of formulas and steps."""
-    pieces = tuple(p for r in requirements for p in conjuncts(r))
-    if len(pieces) > len(requirements) and oracle.infeasible(pieces):
-        pieces = minimal(pieces, oracle.infeasible)
-    else:
-        pieces = requirements
+def _groups(sets: Iterable[frozenset[str]]) -> list[frozenset[str]]:
+    """Unions of sets that overlap."""
+    groups: list[frozenset[str]] = []
+    for agents in sets:
+        touching = [g for g in groups if g & agents]
+        groups = [g for g in groups if not g & agents] + [agents.union(*touching)]
+    return groups
+
+
+def inside(oracle: Oracle, pieces: Pieces) -> Pieces:
+    """Down to parts of formulas and steps."""
     for piece in sorted(pieces, key=length_of, reverse=True):
         others = tuple(p for p in pieces if p is not piece)
         shorter = _fewer_steps(oracle, _fewer_parts(oracle, piece, others), others)
@@ -123,6 +136,9 @@ def _fewer_steps(oracle: Oracle, piece: Requirement, others: Pieces) -> Requirem
         return oracle.infeasible((*others, narrowed(piece, first, last)))
 
     first, last = ends
+    broken = oracle.broken(piece, others)
+    if broken is not None and fails(*broken):
+        first, last = broken
     last = _least(first, last, lambda t: fails(first, t))
     first = -_least(-last, -first, lambda t: fails(-t, last))
     return narrowed(piece, first, last)
