@@ -108,6 +108,13 @@ class Work:
             message=message,
         )
 
+    def without_plan(self) -> Solution:
+        """The answer that there is no plan."""
+        return Solution(
+            Status.INFEASIBLE, solver=self.backend.name, seconds=self.seconds,
+            solver_version=self.backend.version(),
+        )  # fmt: skip
+
     def concluded(self, found: Solution) -> Solution:
         """A solver's answer, with the incumbent and the bound that were known before it."""
         if found.status not in (Status.OPTIMAL, Status.FEASIBLE, Status.NO_SOLUTION):

@@ -101,10 +101,14 @@ class Route:
     first_radius: float = 0.05  # of the workspace
     least_radius: float = 0.01
     wider: float = 1.6
-    bound_share: float = 0.6  # of the time that is left: for grids of `play.py`
+    bound_share: float = 0.8  # of the time that is left: for grids of `play.py`
     bound_seconds: float = 60.0
     cuts: tuple[int, ...] = (1, 3, 6, 12)  # into which the fastest move is cut, at least
     growth: float = 2.0  # how much longer the next grid takes
+    hardly: float = 2.0  # a grid is left out whose next has at most so many times its moves
+    climbs: int = 6  # ascents of prices on visits; rounds_40: gap 8.7, 4.9, 4.4 % after 1, 2, 6
+    climb_rounds: int = 20  # steps of each
+    heat: float = 0.03  # of the gap
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,14 +29,14 @@ def ascend(arcs: Arcs, heat: float, rounds: int) -> None:
     """
     least, slopes = arcs.through()[0], arcs.slopes
     with np.errstate(all="ignore"):
-        found = _climbed(lambda z: smoothed(arcs, z, heat), slopes, heat, rounds)
+        found = climbed(lambda z: smoothed(arcs, z, heat), slopes, heat, rounds)
     if np.isfinite(found).all():
         arcs.slopes = found
     if not arcs.through()[0] >= least:
         arcs.slopes = slopes
 
 
-def _climbed(
+def climbed(
     fun: Callable[[Floats], tuple[float, Floats]], z: Floats, lead: float, rounds: int
 ) -> Floats:
     """L-BFGS (Nocedal and Wright 2006, algorithm 7.5) with backtracking, towards the maximum of a

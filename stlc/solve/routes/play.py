@@ -129,7 +129,11 @@ class Play:
         fine, labels, label = self._classes(t, *pairs)
         shape = (len(origins), len(moves))
         fine, label = fine.reshape(shape), label.reshape(shape)
-        table, after = self._table(t, opens, labels)
+        met = np.zeros((len(opens), len(labels)), bool)
+        for p in range(len(opens)):
+            here = row[which == p]
+            met[p, label[here][fine[here]]] = True
+        table, after = self._table(t, opens, labels, met)
         best: dict[int, Floats] = {}
         shift = moves @ np.array([self.shape[1], 1])
         ends = np.clip(origins[:, None] + shift, 0, len(self.points) - 1)
@@ -250,15 +254,16 @@ class Play:
         return good, [dict(zip(atoms, row.tolist(), strict=True)) for row in holds]
 
     def _table(
-        self, t: int, opens: Sequence[Open], labels: Sequence[dict[int, bool]]
+        self, t: int, opens: Sequence[Open], labels: Sequence[dict[int, bool]], met: Bools
     ) -> tuple[Ints, list[Open]]:
-        """Progress after a step by (progress before, class), -1 where there is none."""
+        """Progress after a step by (progress before, class) for those that are `met`, -1 where
+        there is none."""
         made: dict[Open, int] = {}
         table = np.full((len(opens), len(labels)), -1)
         for k, label in enumerate(labels):
             memo: dict[int, int] = {}
-            for p, open_ in enumerate(opens):
-                after = self.progress.after(open_, t, label, memo)
+            for p in np.flatnonzero(met[:, k]).tolist():
+                after = self.progress.after(opens[p], t, label, memo)
                 if after is not None:
                     table[p, k] = made.setdefault(after, len(made))
         return table, list(made)

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stlc.arrays import Bools
-from stlc.ir.nodes import And, Linear, Link, Node, Or, Role
+from stlc.ir.nodes import And, Const, Linear, Link, Node, Or, Role
 
 TRUE, FALSE = 0, 1
 Open = frozenset[int]
@@ -96,7 +96,7 @@ class Progress:
             return done[node]
         start, end = span_of(node)
         if end < 0:
-            found = TRUE if isinstance(node, And) else FALSE
+            found = self._settled(node, source, done)
         elif end - start <= 1:
             key = ("atom", node, source)
             known = key in self._numbers
@@ -107,6 +107,17 @@ class Progress:
             args = [self._formula(arg, source, done) for arg in node.children]
             found = self._joined("or" if isinstance(node, Or) else "and", args)
         done[node] = found
+        return found
+
+    def _settled(self, node: Node, source: int, done: dict[Node, int]) -> int:
+        """A formula that speaks of no step: constants by their value, others judged at step 0."""
+        if isinstance(node, Const):
+            return TRUE if node.value else FALSE
+        if isinstance(node, And | Or):
+            kind = "or" if isinstance(node, Or) else "and"
+            return self._joined(kind, [self._formula(arg, source, done) for arg in node.args])
+        found = self._number(("atom", node, source), "atom", frozenset(), 0)
+        self.atoms[found] = Atom(node, 0, False, source)
         return found
 
     def _number(self, key: tuple[object, ...], kind: str, args: frozenset[int], first: int) -> int:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -14,12 +12,9 @@ from stlc.errors import SolverError
 from stlc.milp.model import Model
 from stlc.mission import TermKind
 from stlc.solve import tuning
-from stlc.solve.alone.bounds import bounded, safe
-from stlc.solve.alone.run import LoneRun
 from stlc.solve.certify import continuous_part
+from stlc.solve.routes.bounds import Bounds
 from stlc.solve.routes.finder import Effort, Routes
-from stlc.solve.routes.loose import fits
-from stlc.solve.routes.play import MOST_MOVES, play_of
 from stlc.solve.routes.tube import covers, tube
 from stlc.solve.strategy import Strategy, Work
 
@@ -60,41 +55,15 @@ def _run(work: Work) -> Work | Solution:
     if glance.bound is not None:
         work = work.with_bound(glance.bound)
     work = work.with_point(glance.x, "")
+    moment = work.deadline.share(tuning.ROUTES.share, tuning.ROUTES.seconds)
+    bounds = Bounds.of(work.compiled, moment.over)
+    if bounds is not None and bounds.hopeless():
+        return work.without_plan()
     found = _first_plan(work) if work.x is None else work
     if found.x is None:
         return found
     better = _bettered(found, tuning.ROUTES.better_share)
-    return _bounded(better) if isinstance(better, Work) else better
-
-
-def _bounded(work: Work) -> Work:
-    """What the agents spend on grids (`play.py`), finer and finer: a bound, and a row of each."""
-    compiled, grids = work.compiled, Routes.of(work.compiled, work.deadline.over)
-    names = [n for n, agent in compiled.mission.agents.items() if agent.effort_input.any()]
-    if not all(fits(compiled, name) for name in names):
-        return work
-    deadline = work.deadline.share(tuning.ROUTES.bound_share, tuning.ROUTES.bound_seconds)
-    lone: dict[str, float] = {}
-    for cut in tuning.ROUTES.cuts:
-        began = time.monotonic()
-        for name in names:
-            others = sum(v for n, v in lone.items() if n != name)
-            most = work.value - compiled.model.offset - others
-            grid = play_of(compiled, name, grids.progress, grids.levels, cut, most, deadline.over)
-            found = grid.bound() if grid.size() <= MOST_MOVES else None
-            if found is None:
-                return _with_rows(work, lone)
-            lone[name] = max(found, lone.get(name, 0.0))
-        work = work.with_bound(compiled.model.offset + sum(map(safe, lone.values())))
-        work.report()
-        if work.proven() or deadline.left < tuning.ROUTES.growth * (time.monotonic() - began):
-            break
-    return _with_rows(work, lone)
-
-
-def _with_rows(work: Work, lone: Mapping[str, float]) -> Work:
-    rows = [LoneRun(name, bound, None) for name, bound in lone.items()]
-    return replace(work, compiled=bounded(work.compiled, rows))
+    return bounds.better(better) if bounds is not None and isinstance(better, Work) else better
 
 
 def _first_plan(work: Work) -> Work:

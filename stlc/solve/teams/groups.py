@@ -61,10 +61,7 @@ def _solve_apart(work: Work) -> Work | Solution:
         part = _part(work, group, len(groups) - k)
         found = None if part is None else _solved(part)
         if part is None or found is None or found.status is Status.INFEASIBLE:
-            return Solution(
-                Status.INFEASIBLE, solver=work.backend.name, seconds=work.seconds,
-                solver_version=work.backend.version(),
-            )  # fmt: skip
+            return work.without_plan()
         if found.x is None:
             return work
         made = part.compiled.decode(found.x)

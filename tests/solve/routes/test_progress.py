@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stlc.ir.nodes import And, Linear, Node, Or, Role, Signal
+from stlc.ir.nodes import And, Const, Linear, Node, Or, Role, Signal
 from stlc.solve.routes.progress import FALSE, TRUE, Open, Progress, span_of
 
 STEPS = 5
@@ -108,3 +108,15 @@ def test_constants() -> None:
     assert not progress.starting
     assert TRUE != FALSE
     assert Progress.of([(Or(()), 0)]).starting == {0: [FALSE]}
+
+
+def test_constants_are_what_they_say() -> None:
+    """A requirement that was settled by its ranges leaves nothing to do, or nothing that can be."""
+    assert Progress.of([(Const(True), 0)]).starting == {}
+    assert Progress.of([(Const(False), 0)]).starting == {0: [FALSE]}
+    both = Progress.of([(Or((Const(True), atom(0, 1))), 0), (And((Const(True), atom(0, 1))), 1)])
+    assert both.starting == {}
+    level = Linear((), -1.0)
+    alone = Progress.of([(level, 0)])
+    assert [one.node for one in alone.atoms.values()] == [level]
+    assert alone.asserted == {0: list(alone.atoms)}

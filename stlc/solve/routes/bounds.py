@@ -1,0 +1,136 @@
+"""What each agent spends alone at the least, by the way it moves: grids (`play.py`) for those that
+go where their inputs say, visits (`visit_bound.py`) for those with inertia.
+
+Effort is never negative, so agents that neither speaks of count as free of cost. Each bound is a
+row of the model as well.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stlc.milp.compile import Compiled
+from stlc.mission import TermKind
+from stlc.solve import tuning
+from stlc.solve.alone.bounds import bounded, safe
+from stlc.solve.alone.run import LoneRun
+from stlc.solve.deadline import Deadline
+from stlc.solve.relaxation.bodies import body_of
+from stlc.solve.routes.boxes import places_of
+from stlc.solve.routes.finder import Routes
+from stlc.solve.routes.loose import fits
+from stlc.solve.routes.play import MOST_MOVES, Play, play_of
+from stlc.solve.routes.visit_bound import Priced, climb
+from stlc.solve.routes.visits import Search, kinds_of
+from stlc.solve.strategy import Work
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bounds:
+    """What is known of each agent's share: `lone[name]`, proven for plans that cost less than the
+    best known; `visits[name]` is the graph of those with inertia."""
+
+    grids: Routes
+    lone: Mapping[str, float]
+    visits: Mapping[str, Priced]
+
+    @staticmethod
+    def of(compiled: Compiled, over: Callable[[], bool]) -> Bounds | None:
+        """Nothing known yet; None where the objective is more than effort."""
+        if not only_effort(compiled):
+            return None
+        grids, visits = Routes.of(compiled, over), dict[str, Priced]()
+        for name in compiled.mission.agents:
+            graph = None if fits(compiled, name) else visits_of(grids, name)
+            if graph is not None:
+                visits[name] = graph
+        return Bounds(grids, {}, visits)
+
+    def hopeless(self) -> bool:
+        """Whether some agent can't make its visits: there is no plan."""
+        return any(not graph.possible for graph in self.visits.values())
+
+    def better(self, work: Work) -> Work:
+        """The work with the best bounds that there is time for, as rows too."""
+        deadline = work.deadline.share(tuning.ROUTES.bound_share, tuning.ROUTES.bound_seconds)
+        lone = dict(self.lone)
+        for name, graph in self.visits.items():
+            lone[name] = climb(graph, _left(work, lone, name), deadline.over)
+        found = _told(work, lone)
+        names = [n for n in work.compiled.mission.agents if fits(work.compiled, n)]
+        if names:
+            found = self._by_grids(found, names, lone, deadline)
+        return _with_rows(found, lone)
+
+    def _by_grids(
+        self, work: Work, names: list[str], lone: dict[str, float], deadline: Deadline
+    ) -> Work:
+        """Finer and finer grids, `lone` kept up to date."""
+        cuts = self._cuts(work, names)
+        for cut in cuts:
+            began = time.monotonic()
+            for name in names:
+                grid = self._grid(work, name, cut, _left(work, lone, name), deadline.over)
+                found = grid.bound() if grid.size() <= MOST_MOVES else None
+                if found is None:
+                    return _told(work, lone)
+                lone[name] = max(found, lone.get(name, 0.0))
+                work = _told(work, lone)
+            if work.proven() or deadline.left < tuning.ROUTES.growth * (time.monotonic() - began):
+                break
+        return work
+
+    def _cuts(self, work: Work, names: list[str]) -> list[int]:
+        """Those of the tuning but for the ones whose next is hardly more to judge."""
+        sizes = [
+            sum(self._grid(work, n, cut, np.inf, work.deadline.over).size() for n in names)
+            for cut in tuning.ROUTES.cuts
+        ]
+        ahead = [*sizes[1:], np.inf]
+        return [c for c, size, more in zip(tuning.ROUTES.cuts, sizes, ahead, strict=True)
+                if more > tuning.ROUTES.hardly * size]  # fmt: skip
+
+    def _grid(self, work: Work, name: str, cut: int, most: float, over: Callable[[], bool]) -> Play:
+        grids = self.grids
+        return play_of(work.compiled, name, grids.progress, grids.levels, cut, most, over)
+
+
+def only_effort(compiled: Compiled) -> bool:
+    """Whether the objective is nothing but effort, which is never negative."""
+    terms = [term for term in compiled.mission.objective if term.weight != 0]
+    return all(term.kind is TermKind.EFFORT and term.weight > 0 for term in terms) and bool(terms)
+
+
+def visits_of(grids: Routes, name: str) -> Priced | None:
+    """The graph of an agent with inertia; None where its axes are no chains or it is too large."""
+    compiled = grids.compiled
+    efforts = [term for term in compiled.mission.objective if term.kind is TermKind.EFFORT]
+    body = body_of(compiled, compiled.mission.agents[name], efforts)
+    if body is None or any(axis.speed is None for axis in body.axes):
+        return None
+    if not any(axis.change_cost.min() > 0 for axis in body.axes):
+        return None
+    place, boxes = places_of(compiled, name, grids.progress, grids.levels, body)
+    kinds = kinds_of(boxes)
+    ways = None if kinds is None else Search(body, grids.progress, place, kinds, grids.over).ways()
+    return None if ways is None else Priced(body, ways)
+
+
+def _left(work: Work, lone: Mapping[str, float], name: str) -> float:
+    """What an agent may spend in a plan that is better than the best known."""
+    return work.value - work.compiled.model.offset - sum(v for n, v in lone.items() if n != name)
+
+
+def _told(work: Work, lone: Mapping[str, float]) -> Work:
+    found = work.with_bound(work.compiled.model.offset + sum(map(safe, lone.values())))
+    found.report()
+    return found
+
+
+def _with_rows(work: Work, lone: Mapping[str, float]) -> Work:
+    rows = [LoneRun(name, bound, None) for name, bound in lone.items()]
+    return replace(work, compiled=bounded(work.compiled, rows))

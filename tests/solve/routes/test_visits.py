@@ -1,0 +1,193 @@
+"""Bounds by visits: never above the optimum of the whole model, and near it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
+
+from stlc.api import loads
+from stlc.backends import get
+from stlc.backends.base import SolveOptions, Status
+from stlc.errors import InfeasibleError
+from stlc.milp.compile import Compiled, compile_mission
+from stlc.solve import tuning
+from stlc.solve.routes.bounds import Bounds, only_effort, visits_of
+from stlc.solve.routes.finder import Routes
+from stlc.solve.routes.visit_bound import climb
+from stlc.solve.routes.visits import kinds_of
+from stlc.solve.strategies import run_strategy
+
+ROUNDS = """step 1 s
+horizon 12
+workspace box [0, 10] x [0, 10]
+agent r : double_integrator { start (2, 5); control |u| <= 2; speed <= 3 }
+region a = box [0, 3] x [0, 3]
+region b = box [7, 10] x [0, 3]
+region c = box [7, 10] x [7, 10]
+obstacle mid = box [4, 6] x [4, 6]
+require rounds: forall g in regions: always[0, 5] eventually[0, 7] r in g
+require clear: always r outside mid swept
+minimize effort
+"""
+EULER = """step 0.5 s
+horizon 10
+workspace box [0, 6] x [0, 6]
+dynamics mass {
+  A = [[1, 0, 0.5, 0], [0, 1, 0, 0.5], [0, 0, 1, 0], [0, 0, 0, 1]]
+  B = [[0, 0], [0, 0], [0.5, 0], [0, 0.5]]
+  states px py vx vy; inputs ux uy
+}
+agent r : mass { start (1, 1); control |u| <= 4; effort_input (1, 2); effort_state (0, 0, 0, 0.1) }
+region a = box [3, 4] x [0, 1] + box [0, 1] x [4, 5]
+region b = box [3.5, 5] x [0.5, 5]
+require stay: eventually[0, 8] always[0, 2] r in a
+require until: (not (r in b)) until r in a
+require late: eventually[8, 10] r in b
+minimize 2 * effort
+"""
+RADIO = """step 1 s
+horizon 10
+workspace box [0, 20] x [0, 20]
+agent r : double_integrator { start (10, 2); control |u| <= 2; speed <= 4 }
+station a at (3, 18)
+station b at (18, 3)
+channel radio {
+  path_loss L0 = -40 dBm, n = 3
+  noise_floor -92 dBm, modulation oqpsk_802_15_4, packet 64 bytes
+  partition 10 x 10
+}
+require collect: eventually[0, 5] always[0, 1] rssi(r, a) >= -60 dBm
+require deliver: eventually[8, 10] rssi(r, b) >= -60 dBm
+minimize effort
+"""
+MISSIONS = {"rounds": ROUNDS, "euler": EULER, "radio": RADIO}
+
+
+def optimum(one: Compiled) -> float:
+    found = get("highs").solve(one.model, SolveOptions(gap=1e-6))
+    assert found.status is Status.OPTIMAL
+    assert found.objective is not None
+    return found.objective
+
+
+def bound(one: Compiled, most: float) -> float:
+    graph = visits_of(Routes.of(one, lambda: False), "r")
+    assert graph is not None
+    return climb(graph, most, lambda: False)
+
+
+@pytest.mark.parametrize(("name", "share"), [("rounds", 0.8), ("euler", 0.0), ("radio", 0.7)])
+def test_bounds_stay_below_the_optimum_and_come_near(name: str, share: float) -> None:
+    one = compile_mission(loads(MISSIONS[name]))
+    best = optimum(one)
+    found = bound(one, 1.2 * best)
+    assert share * best <= found <= best + 1e-6
+    assert bound(one, 0.5 * share * best) == pytest.approx(0.5 * share * best)
+
+
+def test_prices_better_a_bound() -> None:
+    one = compile_mission(loads(ROUNDS))
+    graph = visits_of(Routes.of(one, lambda: False), "r")
+    assert graph is not None
+    without = graph.least(np.zeros((len(graph.ways.stop), 2, 2)))
+    assert climb(graph, optimum(one), lambda: False) > 3 * without
+
+
+def test_derivative_is_that_of_the_soft_least() -> None:
+    graph = visits_of(Routes.of(compile_mission(loads(ROUNDS)), lambda: False), "r")
+    assert graph is not None
+    rng = np.random.default_rng(1)
+    prices = rng.normal(scale=0.2, size=(len(graph.ways.stop), 2, 2))
+    prices[graph.ways.stop[:, 2] == 0] = 0.0
+    way = np.where(prices == 0, 0.0, rng.normal(size=prices.shape))
+    value, slope = graph.soft(prices, 0.5)
+    ahead, behind = (graph.soft(prices + h * way, 0.5)[0] for h in (1e-6, -1e-6))
+    assert (ahead - behind) / 2e-6 == pytest.approx(float(np.vdot(slope, way)), rel=1e-3)
+    assert value <= graph.least(prices)
+
+
+SIZES = st.floats(0.4, 2.5)
+
+
+@settings(max_examples=15, phases=[Phase.explicit, Phase.reuse, Phase.generate])
+@given(
+    st.tuples(*[st.floats(0.2, 6.4)] * 6), st.tuples(*[SIZES] * 6),
+    st.sampled_from(["eventually[1, 4] always[0, 1]", "always[0, 3] eventually[0, 3]"]),
+)  # fmt: skip
+def test_no_random_optimum_is_below_its_bound(
+    corners: tuple[float, ...], sizes: tuple[float, ...], often: str
+) -> None:
+    a, b, c = (
+        f"box [{x:.3f}, {x + w:.3f}] x [{y:.3f}, {y + h:.3f}]"
+        for x, y, w, h in zip(corners[::2], corners[1::2], sizes[::2], sizes[1::2], strict=True)
+    )
+    text = f"""step 1 s
+horizon 6
+workspace box [0, 9] x [0, 9]
+agent r : double_integrator {{ start (4, 4); control |u| <= 3; speed <= 4; effort_input (1, 2) }}
+region a = {a}
+region b = {b}
+region c = {c}
+require see: {often} r in a
+require visit: (r outside a) until (r in b or r in c)
+require end: eventually[4, 6] (r in c and not (r in b))
+minimize effort
+"""
+    try:
+        one = compile_mission(loads(text))
+    except InfeasibleError:
+        return
+    found = get("highs").solve(one.model, SolveOptions(gap=1e-6, time_limit=20.0))
+    bounds = Bounds.of(one, lambda: False)
+    assert bounds is not None
+    if found.status is Status.OPTIMAL and bounds.visits:
+        assert found.objective is not None
+        assert not bounds.hopeless()
+        assert bound(one, 1.3 * found.objective + 1.0) <= found.objective + 1e-5
+
+
+def test_out_of_reach_is_hopeless() -> None:
+    """Four far corners that no agent of this speed visits in the time."""
+    text = ROUNDS.replace("eventually[0, 7]", "eventually[0, 5]").replace(
+        "speed <= 3", "speed <= 2"
+    )
+    one = compile_mission(loads(text.replace("[0, 5] e", "[0, 7] e")))
+    bounds = Bounds.of(one, lambda: False)
+    assert bounds is not None
+    assert bounds.hopeless()
+    assert get("highs").solve(one.model, SolveOptions()).status is Status.INFEASIBLE
+
+
+def test_bound_is_that_of_the_solve(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The rows and the bound leave the optimum where it is."""
+    quick = replace(tuning.ROUTES, glance=0.0, better_seconds=0.0)
+    monkeypatch.setattr(tuning, "ROUTES", quick)
+    one = compile_mission(loads(ROUNDS))
+    found = run_strategy("routes", one, get("highs"), SolveOptions(time_limit=100.0, gap=1e-5))
+    assert found.status is Status.OPTIMAL
+    assert found.objective == pytest.approx(optimum(one), abs=1e-3)
+
+
+def test_speaks_of_effort_only() -> None:
+    assert only_effort(compile_mission(loads(ROUNDS)))
+    text = ROUNDS.replace("minimize effort", "maximize robustness")
+    assert not only_effort(compile_mission(loads(text)))
+
+
+def test_single_integrators_have_no_visits() -> None:
+    one = compile_mission(loads(ROUNDS.replace("double", "single").replace("; speed <= 3", "")))
+    assert visits_of(Routes.of(one, lambda: False), "r") is None
+
+
+def test_kinds_are_the_places_that_meet() -> None:
+    boxes = [np.array(b, float) for b in ([[0, 2], [0, 2]], [[1, 3], [1, 3]], [[5, 6], [0, 9]])]
+    found = kinds_of(boxes)
+    assert found is not None
+    members = dict(found)
+    assert set(members) == {frozenset(s) for s in ([0], [1], [2], [0, 1])}
+    np.testing.assert_array_equal(members[frozenset([0, 1])], [[1, 2], [1, 2]])
+    assert kinds_of([boxes[0]] * 6) is None
