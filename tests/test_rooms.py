@@ -56,7 +56,7 @@ MAY: Mapping[str, set[str]] = {
     },
     "explain": {
         "syntax", "ir", "mission", "channels", "analysis", "passes", "milp", "backends", "verify",
-        "trajectories", "plan", "solve",
+        "trajectories", "plan", "grids", "solve",
     },
     "simulate": {"ir", "radio", "mission", "channels", "plan", "verify"},
     "plot": {"ir", "radio", "mission", "channels", "plan", "verify"},

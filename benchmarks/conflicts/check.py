@@ -72,6 +72,6 @@ def broken(changes: tuple[Change, ...]) -> Iterator[str]:
     settings = SolveSettings(time_limit=LIMIT, gap=0.5)
     for change in changes:
         try:
-            solve(replace(loads(change.text), objective=()), settings)
+            solve(replace(loads(change.text), objective=(), preferences=()), settings)
         except StlcError as error:
             yield f"{change}: {error}"

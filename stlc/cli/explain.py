@@ -19,7 +19,7 @@ from stlc.cli.common import (
     show_diagnostics,
 )
 from stlc.diagnostics import Diagnostic, Note
-from stlc.errors import InfeasibleError, NoPlanError
+from stlc.errors import InfeasibleError, NoPlanError, ViolationError
 
 if TYPE_CHECKING:
     from stlc.explain.conflict import Conflict
@@ -53,6 +53,7 @@ class ConflictingClauses(Diagnostic):
 
 @click.command("explain")
 @mission_options
+@click.argument("plan", type=click.Path(path_type=Path), required=False)
 @click.option("--backend", default="highs", show_default=True, help="See `stlc backends`.")
 @click.option("--time-limit", type=click.FloatRange(min=0), default=60.0, show_default=True,
               metavar="S", help="Seconds for all solves together.")  # fmt: skip
@@ -64,13 +65,21 @@ class ConflictingClauses(Diagnostic):
               help="Which of the changes `--apply` makes.")  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def explain_command(
-    file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...], **words: Any
+    file: Path,
+    define: tuple[str, ...],
+    allow_path: tuple[Path, ...],
+    plan: Path | None,
+    **words: Any,
 ) -> int:
     """Say which parts of FILE cannot hold together, and why; exit 3 when there are such.
 
-    Exit 0 when a plan was found possible; 4 when neither was proven within the limit.
+    Exit 0 when a plan was found possible; 4 when neither was proven within the limit. With a PLAN:
+    which requirements are tight, which predicate decides each and when, its slack, and what its
+    margin costs; exit 6 when the plan violates the mission.
     """
     given = _Words(**words)
+    if plan is not None:
+        return _explain_plan(file, define, allow_path, plan, given)
     check_outputs(given.out)
     mission = load(file, define, allow_path)
     check_outputs(given.out)  # now that it is known what was read
@@ -98,6 +107,21 @@ class _Words:
     out: Path | None
     pick: int
     as_json: bool
+
+
+def _explain_plan(
+    file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...], plan: Path, given: _Words
+) -> int:
+    """Print what of a plan is tight; the exit status of `stlc explain FILE PLAN`."""
+    from stlc.explain.tight import explain_plan
+    from stlc.plan import read_plan
+
+    if given.every or given.fix or given.out is not None:
+        raise click.UsageError("--all, --fix and --apply are for missions without a plan")
+    run = read_plan(plan)
+    found = explain_plan(load(file, define, allow_path, run), run)
+    answer(found.as_dict()) if given.as_json else click.echo(found.text())
+    return 0 if found.report.ok else ViolationError.exit_status
 
 
 def _explain(mission: Mission, load_text: Load, given: _Words) -> int:

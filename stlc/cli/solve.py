@@ -171,6 +171,8 @@ def _settings(mission: Mission, given: _Words) -> SolveSettings:
 
 def _summary(outcome: Outcome, priced: tuple[Price, ...]) -> str:
     """What a person sees of a solve: status, robustness of each requirement, notes, seconds."""
+    from stlc.verify.requirement_report import tight_words
+
     info = outcome.plan.solve
     gap = "" if info.gap is None else f", gap {info.gap:.2%}"
     bound = "" if info.bound is None else f", bound {plain(info.bound)}"
@@ -181,6 +183,8 @@ def _summary(outcome: Outcome, priced: tuple[Price, ...]) -> str:
     ]
     lines += [f"  {p}" for p in outcome.report.preferences]
     lines += [f"    {price.text(info.objective or 0.0)}" for price in priced]
+    tight = tight_words(outcome.report.requirements)
+    lines += [f"  {tight}"] if tight else []
     lines += [f"  note: {c}" for c in outcome.report.clearances if c.is_cut]
     if outcome.confirmation is not None:
         lines.append(f"  second solver: {outcome.confirmation}")

@@ -210,7 +210,7 @@ def _proof(oracle: Oracle, pieces: tuple[Requirement, ...]) -> str:
     part = (
         oracle.part(Question(frozenset(pieces)))
         if pieces
-        else replace(oracle.mission, requirements=(), objective=())
+        else replace(oracle.mission, requirements=(), objective=(), preferences=())
     )
     told = tuple(replace(r, name=r.name.rpartition("#")[0]) for r in part.requirements)
     distinct = len({r.name for r in told}) == len(told)

@@ -151,7 +151,9 @@ class Oracle:
         kept = self.agents(question.pieces) or frozenset(list(self.mission.agents)[:1])
         agents = {n: a for n, a in self.mission.agents.items() if n in kept}
         renamed = tuple(replace(p, name=self.name_in(question, p)) for p in _ordered(question))
-        part = replace(self.mission, agents=agents, requirements=renamed, objective=())
+        part = replace(
+            self.mission, agents=agents, requirements=renamed, objective=(), preferences=()
+        )
         return without(part, question.free)
 
     def name_in(self, question: Question, piece: Requirement) -> str:
@@ -170,7 +172,7 @@ class Oracle:
         if any(run.answers(nothing, asked) for run in self._runs):
             return Verdict.FEASIBLE
         agents = {n: a for n, a in every.items() if n in asked}
-        bare = replace(self.mission, agents=agents, requirements=(), objective=())
+        bare = replace(self.mission, agents=agents, requirements=(), objective=(), preferences=())
         verdict, run = self._solve(bare, CompileOptions(tables=self.tables))
         if run is not None:
             self._keep(nothing, run)

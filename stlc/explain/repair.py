@@ -132,7 +132,7 @@ class Repairer:
             self.backend, time_limit=self.deadline.limit, gap=1.0, grace=self.grace
         )
         try:
-            solve_mission(replace(mission, objective=()), settings)
+            solve_mission(replace(mission, objective=(), preferences=()), settings)
         except InfeasibleError:
             return Verdict.INFEASIBLE
         except (MissionError, NoPlanError, SolverError):

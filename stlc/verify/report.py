@@ -12,6 +12,8 @@ from stlc.plan import LinkSeries, Plan, RequirementValue
 from stlc.sense import Sense
 from stlc.source import Span
 from stlc.verify.preference_report import PreferenceReport
+from stlc.verify.requirement_report import RequirementReport as RequirementReport
+from stlc.verify.requirement_report import is_tight, slack_of, tight_words
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,36 +34,6 @@ class Violation:
     def __str__(self) -> str:
         place = f"{self.span}: " if self.span else ""
         return f"{place}{self.message}"
-
-
-@dataclass(frozen=True, slots=True)
-class RequirementReport:
-    """One requirement at step 0; a robustness that can't be judged is None.
-
-    robustness  on the samples, channels on their cell model
-    true        on the samples, channels at the true positions (None without a channel model)
-    swept       with every `swept` condition judged in continuous time (None without one)
-    critical    (step, unit) of the predicate that decides `robustness`
-    corners     where samples lie on another side of a place by its corners in the file than the
-                formula says: with them on that side (None where none does)
-    """
-
-    name: str
-    margin: float
-    robustness: float | None
-    true: float | None = None
-    swept: float | None = None
-    critical: tuple[int, str] | None = None
-    span: Span | None = None
-    corners: float | None = None
-
-    @property
-    def satisfied(self) -> bool:
-        """Robustness, in continuous time where it is asked, reaches the margin less 1e-6."""
-        value = self.robustness if self.swept is None else self.swept
-        if self.corners is not None and self.corners < self.margin - 1e-6:
-            return False
-        return value is not None and value >= self.margin - 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,7 +176,8 @@ def _requirement_lines(requirements: tuple[RequirementReport, ...]) -> list[str]
         margin = f"  (margin {r.margin:g})" if r.margin else ""
         mark = "ok " if r.satisfied else "NO "
         lines.append(f"  {mark}{r.name:<{width}}  {value}{unit}{step}{margin}{_further(r)}")
-    return lines
+    tight = tight_words(requirements)
+    return [*lines, f"  {tight}"] if tight else lines
 
 
 def _further(r: RequirementReport) -> str:
@@ -261,6 +234,9 @@ def _requirement(r: RequirementReport) -> dict[str, Any]:
         "true_positions": _plain(r.true),
         "continuous_time": _plain(r.swept),
         "step": r.critical[0] if r.critical else None,
+        "decided_by": r.says or None,
+        "slack": _plain(slack_of(r)),
+        "tight": is_tight(r),
         "unit": r.critical[1] if r.critical else None,
     }
 

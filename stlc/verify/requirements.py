@@ -5,22 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from stlc.ir.nodes import (
-    Always,
-    And,
-    Eventually,
-    Iff,
-    Implies,
-    Linear,
     Link,
     Motion,
     Node,
-    Not,
-    Or,
     Swept,
-    Timed,
     walk,
 )
 from stlc.ir.requirement import Requirement
@@ -30,9 +19,10 @@ from stlc.verify import clearance
 from stlc.verify.chains import Chain
 from stlc.verify.conditions import Motions
 from stlc.verify.continuous import separation
+from stlc.verify.critical import critical
 from stlc.verify.paths import Path, placed, state_paths
 from stlc.verify.report import RequirementReport, Violation
-from stlc.verify.robustness import Evaluator, unit
+from stlc.verify.robustness import Evaluator
 from stlc.verify.samples import Samples
 from stlc.verify.shapes import Bodies, Body
 from stlc.verify.subject import TOLERANCE, Array
@@ -77,15 +67,18 @@ def _report(requirement: Requirement, judges: _Judges) -> RequirementReport:
         has_link = has_link or isinstance(node, Link)
         has_swept = has_swept or node.swept is not None
     value = _first(sampled.robustness(formula))
+    decider = None if value is None else critical(sampled, formula)
     return RequirementReport(
         requirement.name,
         requirement.margin,
         value,
         _first(judges.true.robustness(formula)) if has_link else None,
         _first(judges.dense.robustness(formula)) if has_swept else None,
-        None if value is None else critical(sampled, formula),
+        None if decider is None else (decider.step, decider.unit),
         requirement.span,
         _first(judges.corners.robustness(formula)) if judges.samples.differ(formula) else None,
+        None if decider is None else decider.span,
+        "" if decider is None else decider.says,
     )
 
 
@@ -206,65 +199,3 @@ def position_findings(
 def _rigorous(mission: Mission, formula: Node) -> bool:
     channels = {n.channel for n in walk(formula) if isinstance(n, Link)}
     return all(mission.channels[c].predicate_bound is Bound.WORST for c in channels)
-
-
-def critical(evaluator: Evaluator, root: Node) -> tuple[int, str] | None:
-    """Step and unit of the predicate that decides the robustness of a judged formula at step 0.
-
-    Follows the arguments at which each minimum or maximum is taken; None for a constant.
-    """
-    node, step, positive = root, 0, True
-    while True:
-        if isinstance(node, Linear | Link):
-            shift = node.shift if isinstance(node, Link) else 0
-            return step + shift, unit(node)
-        options = _options(evaluator, node, step, positive)
-        if not options:
-            return None
-        target = evaluator.judged(node, positive)[step]
-        # The sign of a value turns exactly where the polarity does.
-        values = [
-            evaluator.judged(n, sign)[t] * (1.0 if sign is positive else -1.0)
-            for n, t, sign in options
-        ]
-        node, step, positive = options[_nearest(values, float(target))]
-
-
-def _nearest(values: Sequence[float], target: float) -> int:
-    """Index of the value that equals the target, or comes closest."""
-    if target in values:
-        return values.index(target)
-    return int(np.argmin(np.nan_to_num(np.abs(np.asarray(values) - target), nan=np.inf)))
-
-
-def _options(
-    evaluator: Evaluator, node: Node, step: int, positive: bool
-) -> list[tuple[Node, int, bool]]:
-    """(sub-formula, step, polarity); the node's value is one of theirs, up to sign."""
-    match node:
-        case Not(arg=arg):
-            return [(arg, step, not positive)]
-        case And(args=args) | Or(args=args):
-            return [(arg, step, positive) for arg in args]
-        case Implies(left=left, right=right):
-            return [(left, step, not positive), (right, step, positive)]
-        case Iff(left=left, right=right):
-            return [(n, step, s) for n in (left, right) for s in (positive, not positive)]
-        case Timed():
-            return [(node.at(step), step, positive)]
-        case Always(arg=arg, start=a, end=b) | Eventually(arg=arg, start=a, end=b):
-            last = len(evaluator.judged(arg, positive)) - 1
-            stop = last if b is None else min(step + b, last)
-            return [(arg, t, positive) for t in range(step + a, stop + 1)]
-        case _:
-            return _until_options(evaluator, node, step, positive)
-
-
-def _until_options(
-    evaluator: Evaluator, node: Node, step: int, positive: bool
-) -> list[tuple[Node, int, bool]]:
-    options = []
-    for child in node.children:
-        last = len(evaluator.judged(child, positive)) - 1
-        options += [(child, t, positive) for t in range(step, last + 1)]
-    return options
