@@ -115,6 +115,11 @@ def recorded_inputs() -> Iterator[None]:
         _KNOWN.reset(token)
 
 
+def inputs_so_far() -> tuple[str, ...]:
+    """Paths of the ordinary files read within `recorded_inputs`."""
+    return tuple((_KNOWN.get() or {}).values())
+
+
 def note_input(path: str | os.PathLike[str]) -> None:
     """Say that `path` is read, for readers that open files themselves."""
     if _KNOWN.get() is not None:

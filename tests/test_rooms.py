@@ -61,6 +61,7 @@ MAY: Mapping[str, set[str]] = {
     "simulate": {"ir", "radio", "mission", "channels", "plan", "verify"},
     "plot": {"ir", "radio", "mission", "channels", "plan", "verify"},
     "api": {"syntax", "sema", "mission", "milp", "plan", "verify", "solve", "simulate", "explain"},
+    "sweep": {"api", "mission", "plan", "plot", "solve"},
     "conformance": {"api", "milp", "backends", "solve"},
     "dialects": {"syntax", "grammar", "sema", "api"},
     "bench": {"api", "mission", "passes", "milp", "backends", "solve", "plot"},

@@ -20,6 +20,7 @@ _COMMANDS = {
     "read-solution": ("plans", "Turn another solver's answer into a plan."),
     "explain": ("explain", "Name the requirements that conflict."),
     "simulate": ("simulate", "Carry out a plan many times: how probable is each requirement?"),
+    "sweep": ("sweep", "Solve over parameters; trade two costs off against each other."),
     "race": ("race", "Solve with several solvers and encodings at once."),
     "fit": ("fit", "Fit a channel to measurements."),
     "import": ("monitor", "Translate STL files of Breach, RTAMT or FalCAuN."),

@@ -159,7 +159,8 @@ def _add(
         if high == np.inf or low > 0:
             raise props.bad(item, "of a magnitude needs an upper limit", usage_of("speed"))
         low = -high
-    named_speed = any(isinstance(e, ast.Name) and e.text in SPEED_NAMES for e in expr.operands)
+    bounded = next(e for e in expr.operands if _target(e, bounds.dynamics) is not None)
+    named_speed = isinstance(bounded, ast.Name) and bounded.text in SPEED_NAMES
     if words or named_speed:
         _norm(item, target, high, words, bounds, scope)
     else:

@@ -287,3 +287,14 @@ def test_the_number_of_a_member_in_every_property() -> None:
     assert (made.state_lower[2], made.state_upper[2], made.state_upper[0]) == (-3.0, 3.0, 30.0)
     assert np.array_equal(made.effort_input, [3.0, 1.0])
     assert made.mass == 3.0
+
+
+def test_a_parameter_called_v_bounds_each_input() -> None:
+    mission = loads(
+        "param v = 1\nhorizon 2\n"
+        "agent r : single_integrator { start (0, 0); control |u| <= v }\n"
+        "require a: always r.x >= 0 m\n"
+    )
+    agent = mission.agents["r"]
+    assert not agent.input_norms
+    np.testing.assert_array_equal(agent.input_upper, [1, 1])

@@ -1,0 +1,50 @@
+"""Costs named on the command line, read as the mission's own file would read them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from stlc import api
+from stlc.errors import UsageError
+from stlc.mission import Mission, ObjectiveTerm, TermKind
+
+Terms = tuple[ObjectiveTerm, ...]
+
+
+def split(text: str) -> tuple[str, str]:
+    """`effort,link_cost(radio, (r1, r2))` as its two costs. UsageError for another number."""
+    parts, depth = [""], 0
+    for char in text:
+        depth += (char in "([") - (char in ")]")
+        if char == "," and depth == 0:
+            parts.append("")
+        else:
+            parts[-1] += char
+    costs = [part.strip() for part in parts]
+    if len(costs) != 2 or not all(costs):
+        raise UsageError(f"--pareto takes two costs such as effort,link_cost(radio), not {text!r}")
+    return costs[0], costs[1]
+
+
+def terms_of(
+    mission: Mission, cost: str, folder: Path | None, allow_paths: tuple[Path, ...]
+) -> Terms:
+    """The terms of a cost in a mission's words.
+
+    MissionError where it isn't one, located behind the mission's text; UsageError for robustness,
+    which is no cost.
+    """
+    text = f"{mission.source.text}\nminimize {cost}\n"
+    params = dict(mission.params)
+    name = mission.source.name
+    longer = api.loads(text, name=name, params=params, folder=folder, allow_paths=allow_paths)
+    first = len(_weighed(mission.objective))
+    found = _weighed(longer.objective)[first:]
+    if not found or any(term.kind is TermKind.ROBUSTNESS for term in found):
+        raise UsageError(f"{cost!r} is no cost that can be traded: take efforts and link costs")
+    return tuple(found)
+
+
+def _weighed(terms: Terms) -> list[ObjectiveTerm]:
+    """Without the violations of preferences, which follow what `minimize` says."""
+    return [term for term in terms if term.kind is not TermKind.VIOLATION]

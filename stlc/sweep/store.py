@@ -1,0 +1,70 @@
+"""Answers that are known already: one SQLite file, one row a solve, written when it is finished."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from stlc.errors import OutputError, UsageError
+from stlc.sweep.ask import Answer, Question
+
+_SCHEMA = """
+CREATE TABLE IF NOT EXISTS answers (key TEXT PRIMARY KEY, answer TEXT NOT NULL) WITHOUT ROWID
+"""
+_WAIT = 60.0  # s for another process that writes
+
+
+@dataclass(frozen=True, slots=True)
+class Store:
+    """An answer is in it whole or not at all; None keeps nothing."""
+
+    path: Path | None
+
+    def create(self) -> None:
+        """Make the file and its table. OutputError when it can't be written."""
+        if self.path is None:
+            return
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            with self._open() as base:
+                base.execute(_SCHEMA)
+        except (OSError, sqlite3.OperationalError) as error:
+            raise OutputError(f"cannot write the store {self.path}: {error}") from error
+
+    def get(self, question: Question) -> Answer | None:
+        """The answer, if it is known. UsageError when the file is damaged."""
+        if self.path is None:
+            return None
+        try:
+            with self._open() as base:
+                found = base.execute(
+                    "SELECT answer FROM answers WHERE key = ?", (question.key,)
+                ).fetchone()
+            return None if found is None else Answer.from_json(found[0])
+        except (sqlite3.OperationalError, ValueError, TypeError, KeyError) as error:
+            raise UsageError(f"{self.path} is damaged, or no store of sweeps: {error}") from error
+
+    def add(self, question: Question, answer: Answer) -> None:
+        """Keep an answer, unless it was cut short."""
+        if self.path is None or answer.status == "interrupted":
+            return
+        try:
+            with self._open() as base:
+                row = (question.key, answer.to_json())
+                base.execute("INSERT OR REPLACE INTO answers VALUES (?, ?)", row)
+        except sqlite3.OperationalError as error:
+            raise OutputError(f"cannot write the store {self.path}: {error}") from error
+
+    @contextmanager
+    def _open(self) -> Iterator[sqlite3.Connection]:
+        assert self.path is not None
+        try:
+            with closing(sqlite3.connect(self.path, timeout=_WAIT)) as base, base:
+                yield base
+        except sqlite3.OperationalError:
+            raise
+        except sqlite3.DatabaseError as error:
+            raise UsageError(f"{self.path} is no store of sweeps: {error}") from error
