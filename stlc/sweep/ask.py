@@ -147,6 +147,7 @@ def _settings(question: Question, start: Answer | None) -> SolveSettings:
 
 
 def _answer(question: Question, mission: Mission, outcome: Outcome) -> Answer:
+    """The outcome in few words, both costs as the verifier adds them up."""
     info = outcome.plan.solve
     costs = {}
     if question.minimise is not None and outcome.report.objective is not None:
