@@ -50,12 +50,25 @@ class _Words:
     start: Path | None
     shift: int
     option: tuple[str, ...]
+    solutions: int
+    different: float
     no_explain: bool
     confirm: bool
     output: Path | None
     csv_path: Path | None
     as_json: bool
     style: str
+
+
+def _metres(context: click.Context, parameter: click.Parameter, value: str) -> float:
+    """A length such as `1 m`, `50 cm` or `0.5`, in metres."""
+    from stlc.sema.overrides import parse_value
+    from stlc.sema.units import METRE
+
+    length = parse_value(value)
+    if length is None or length.unit not in (None, METRE) or length.constant <= 0:
+        raise click.BadParameter(f"{value!r} is no length such as '1 m' or '50 cm'")
+    return length.constant
 
 
 @click.command("solve")
@@ -79,6 +92,10 @@ class _Words:
 @click.option("--start", type=click.Path(path_type=Path), help="A plan to start from.")
 @click.option("--shift", type=click.IntRange(min=0), default=0, help="Shift the start by steps.")
 @solver_options
+@click.option("--solutions", type=click.IntRange(1, 1000), default=1, show_default=True,
+              metavar="K", help="So many plans that really differ, best first.")  # fmt: skip
+@click.option("--different", callback=_metres, default="1 m", show_default=True, metavar="LENGTH",
+              help="Some agent is so far from every other plan at some step.")  # fmt: skip
 @click.option("--no-explain", is_flag=True, help="Don't look for what conflicts if infeasible.")
 @click.option("--confirm", is_flag=True, help="Have a second solver confirm optimality.")
 @click.option(
@@ -95,11 +112,12 @@ def solve_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, .
     given = _Words(**words)
     mission = load(file, define, allow_path)
     settings = _settings(mission, given)
-    check_outputs(given.output, given.csv_path)
+    places = _places(given.output, given.solutions)
+    check_outputs(*places, given.csv_path)
     tell = listener(given.style)
     with interruptible() as stop:
         try:
-            outcome = _solve(mission, settings, tell, stop)
+            outcome, *others = _solve(mission, settings, given, tell, stop)
         except InfeasibleError as error:
             if given.no_explain:
                 raise
@@ -108,22 +126,44 @@ def solve_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, .
         priced = () if given.no_explain else _prices(mission, outcome, settings, stop)
     if given.csv_path:
         outcome.plan.write_csv(given.csv_path)
+    for place, other in zip(places[1:], others, strict=False):
+        other.plan.write(place)
     if given.as_json:
-        answer(outcome.as_dict() | {"keeping": [asdict(price) for price in priced]})
+        more = {"keeping": [asdict(price) for price in priced]}
+        if given.solutions > 1:
+            more["others"] = [other.as_dict() for other in others]
+        answer(outcome.as_dict() | more)
     else:
-        click.echo(_summary(outcome, priced))
+        click.echo("\n".join([_summary(outcome, priced), *(_summary(o, ()) for o in others)]))
     if outcome.refused is not None:
         complain(outcome.refused)
         return SolverError.exit_status
     return 0
 
 
+def _places(output: Path | None, count: int) -> list[Path]:
+    """Where plans go: plan.json, plan-2.json, plan-3.json, .."""
+    if output is None:
+        return []
+    further = (output.with_stem(f"{output.stem}-{k}") for k in range(2, count + 1))
+    return [output, *further]
+
+
 def _solve(
-    mission: Mission, settings: SolveSettings, tell: Listener, stop: Callable[[], bool]
-) -> Outcome:
+    mission: Mission,
+    settings: SolveSettings,
+    given: _Words,
+    tell: Listener,
+    stop: Callable[[], bool],
+) -> tuple[Outcome, ...]:
+    """The plans asked for, the best one first; one at least."""
+    if given.solutions > 1:
+        from stlc.solve.several import solve_several
+
+        return solve_several(mission, settings, given.solutions, given.different, tell, stop)
     from stlc.solve.driver import solve_mission
 
-    return solve_mission(mission, settings, tell, stop)
+    return (solve_mission(mission, settings, tell, stop),)
 
 
 def _prices(
