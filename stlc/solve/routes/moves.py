@@ -110,7 +110,7 @@ class Judge:
                     return np.ones(len(moves.after), bool)
                 where.append(cells)
         value = table[tuple(where)]
-        inside = np.logical_and.reduce([np.asarray(w >= 0) for w in where])
+        inside = np.logical_and.reduce(np.broadcast_arrays(*(w >= 0 for w in where)))
         return np.broadcast_to((value >= level - _ROUNDING) & inside, len(moves.after))
 
     def cells_of(self, channel: str, name: str, step: int, own: str, after: Floats) -> Ints | None:

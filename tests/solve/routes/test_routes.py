@@ -145,6 +145,27 @@ minimize effort
     assert solve(team, SolveSettings(time_limit=60.0)).report.ok
 
 
+def test_turns_hear_those_before_them() -> None:
+    """The second of two that have to hear each other knows where the first one is."""
+    one = compiled("""step 1 s
+horizon 6
+workspace box [0, 12] x [0, 12]
+agent a : single_integrator { start (1, 1); control |u| <= 2 }
+agent b : single_integrator { start (2, 10); control |u| <= 2 }
+channel radio { path_loss L0 = -40 dBm, n = 3; partition 6 x 6 }
+region far = box [9, 11] x [1, 3]
+region high = box [9, 11] x [9, 11]
+require reach: eventually[4, 6] (a in far and b in high)
+require hear: eventually[2, 3] rssi(a, b, radio) >= -62 dBm
+minimize effort
+""")
+    runs = Routes.of(one, lambda: False).team(Effort(1500, 2, 0.0, 1.0))
+    assert runs is not None
+    point = get("highs").solve(tube(one, runs.states, 1e-4), SolveOptions()).x
+    assert point is not None
+    assert violations(one.model, point).within(1e-6)
+
+
 def test_tube_that_covers_is_the_model() -> None:
     one = compiled(PATROL)
     run = {"r": np.full((14, 2), 3.0)}
