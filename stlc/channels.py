@@ -23,11 +23,12 @@ from stlc.radio.averages import average_bounds
 from stlc.radio.costs import CLAMP, CostName, cost_interval, link_cost
 from stlc.radio.gp import ChannelModel
 from stlc.radio.link_budget import LinkBudget
+from stlc.radio.link_ends import LinkEnds
 from stlc.radio.partition import Partition
 from stlc.radio.pathloss import link_distance
 from stlc.radio.predicates import LinkPredicate, quantity_value, threshold_table
 from stlc.radio.predicates import Quantity as RadioQuantity
-from stlc.radio.table import BoundName, LinkEnds, bound_ends, cost_table
+from stlc.radio.table import BoundName, bound_ends, cost_table
 
 Array = NDArray[np.float64]
 Pair = tuple[str, str]
@@ -108,7 +109,8 @@ class ChannelTables:
             return pair
         if not all(name in self.mission.agents for name in pair):
             return pair
-        return ("agents", receiver(channel.model, pair))
+        flying = tuple(_height(self.mission, name) is None for name in pair)
+        return ("agents", receiver(channel.model, pair), flying)
 
     def _cost(self, channel: Channel, pair: Pair, bound: Bound) -> Array:
         if channel.has_table(pair) or channel.model is None:
@@ -186,7 +188,7 @@ def link_ends(mission: Mission, channel: Channel, pair: Pair) -> LinkEnds:
     point = None if station is None else np.asarray(station.position, dtype=np.float64)
     model = channel.model
     heights = (_height(mission, first), _height(mission, second))
-    use = heights if model is not None and dimensions(mission, model) == 3 else None
+    use = heights if model is not None and dimensions(mission, model, pair) == 3 else None
     return LinkEnds(cells, point, use, None if model is None else receiver(model, pair))
 
 
@@ -195,16 +197,22 @@ def _speck(position: Array) -> Partition:
     return Partition(np.array([[x - 1e-9, x + 1e-9, y - 1e-9, y + 1e-9]]))
 
 
-def dimensions(mission: Mission, model: ChannelModel) -> int:
-    """3 when the channel was measured, or a station stands, at a height; else 2."""
+def dimensions(mission: Mission, model: ChannelModel, pair: Pair) -> int:
+    """3 when the channel was measured, a station stands, or an end of the pair may be, at a
+    height; else 2."""
     if model.posterior is not None:
         return int(model.posterior.centres.shape[1]) // 2
+    if any(_height(mission, name) is None for name in pair):
+        return 3
     return 3 if any(s.height for s in mission.stations.values()) else 2
 
 
-def _height(mission: Mission, name: str) -> float:
+def _height(mission: Mission, name: str) -> float | None:
+    """Where it stands or drives [m]; None for an agent whose height is a signal."""
     station = mission.stations.get(name)
-    return 0.0 if station is None else station.height
+    if station is not None:
+        return station.height
+    return 0.0 if mission.agents[name].dynamics.altitude is None else None
 
 
 def receiver(model: ChannelModel, pair: Pair) -> str | None:
@@ -234,7 +242,7 @@ def given_table(mission: Mission, channel: Channel, pair: Pair) -> Array:
     for axis in (1, 0):
         station = mission.stations.get(pair[axis])
         if station is not None and values.ndim == 2:
-            cells = channel.partition.cells_at(station.position)
+            cells = channel.partition.cells_at(station.place[: channel.partition.axes])
             values = np.take(values, cells, axis=axis).min(axis=axis)
     return values
 
@@ -264,7 +272,7 @@ class LinkValues:
 
 
 def true_values(mission: Mission, channel: Channel, pair: Pair, a: Array, b: Array) -> LinkValues:
-    """The channel between positions a and b (K, 2) [m] of a pair, without any cells."""
+    """The channel between places a and b (K, 3) [m] of a pair, without any cells."""
     model, _ = needed(channel)
     links = true_links(mission, model, pair, a, b)
     mean, variance = model.predict(links, True, receiver(model, pair))
@@ -272,12 +280,9 @@ def true_values(mission: Mission, channel: Channel, pair: Pair, a: Array, b: Arr
 
 
 def true_links(mission: Mission, model: ChannelModel, pair: Pair, a: Array, b: Array) -> Array:
-    """The links (K, 4), or (K, 6) where heights count, between positions a and b (K, 2) [m]."""
-    ends = [np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)]
-    if dimensions(mission, model) == 3:
-        levels = [np.full((len(a), 1), _height(mission, name)) for name in pair]
-        ends = [np.hstack(both) for both in zip(ends, levels, strict=True)]
-    return np.hstack(ends)
+    """The links (K, 4), or (K, 6) where heights count, between places a and b (K, 3) [m]."""
+    axes = dimensions(mission, model, pair)
+    return np.hstack([np.asarray(end, dtype=np.float64)[:, :axes] for end in (a, b)])
 
 
 def true_robustness(channel: Channel, link: Link, values: LinkValues) -> Array:

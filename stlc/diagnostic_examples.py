@@ -148,6 +148,22 @@ EXAMPLES: Final[dict[str, tuple[str, str]]] = {
         "region far = box [1e12, 2e12] x [0, 1]\nrequire a: eventually[0, 5] r1 in far",
         "region far = box [8, 9] x [0, 1]\nrequire a: eventually[0, 5] r1 in far",
     ),
+    "E0417": (
+        "dynamics drone = double_integrator { dimensions 3 }\n"
+        "agent d : drone { start (1, 1, 5); control |u| <= 1 }\n"
+        "require a: always[0, 5] rssi(d, base) >= -80 dBm",
+        "dynamics drone = double_integrator { dimensions 3; pz in [0, 50] }\n"
+        "agent d : drone { start (1, 1, 5); control |u| <= 1 }\n"
+        "require a: always[0, 5] rssi(d, base) >= -80 dBm",
+    ),
+    "E0418": (
+        "dynamics drone = double_integrator { dimensions 3; pz in [0, 50] }\n"
+        "agent d : drone { start (1, 1, 5); control |u| <= 1 }\n"
+        "require a: eventually[0, 5] distance(d, (3, 3)) <= 4",
+        "dynamics drone = double_integrator { dimensions 3; pz in [0, 50] }\n"
+        "agent d : drone { start (1, 1, 5); control |u| <= 1 }\n"
+        "require a: eventually[0, 5] distance(d, (3, 3, 5)) <= 4",
+    ),
     "E0501": (
         "step 0.5 s\nrequire a: eventually[0, 1.7 s] r1 in dock",
         "step 0.5 s\nrequire a: eventually[0, 2 s] r1 in dock",

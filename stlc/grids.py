@@ -1,18 +1,19 @@
 """Grids that a channel chooses by itself: `partition auto`, and a channel without a partition.
 
-The first grid has cells about as wide as shadowing is correlated, between 4 and 8 along the longer
-side of the workspace. Where cells rule out what points of them may offer, `stlc solve` halves
-them, up to `MOST` along a side. A plan says on which grid it was made.
+The first grid has cells about as wide as shadowing is correlated, between 4 and 8 along the longest
+side of the workspace, which has a height where agents fly. Where cells rule out what points of them
+may offer, `stlc solve` halves them, up to `MOST` along a side. A plan says on which grid it was
+made.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import ceil
 
 from stlc.mission import Mission
-from stlc.radio.partition import Partition, uniform_grid
+from stlc.radio.partition import Partition, even_grid
 
 FEWEST, FIRST, MOST = 4, 8, 32
 """Cells along the longer side: the first grid has from FEWEST to FIRST. Measured: two agents with
@@ -20,20 +21,20 @@ costs on 20 x 20 cells are proven in 23 s, on 10 x 10 in 7 s; 32 x 32 pairs of c
 about what a model can hold."""
 
 Ends = tuple[float, float]
-Shape = tuple[int, int]
+Shape = tuple[int, ...]
 
 
-def first_grid(x: Ends, y: Ends, length: float | None) -> Partition:
-    """The grid over a box [m] to begin with; `length` [m] of shadowing, None without any."""
-    sides = x[1] - x[0], y[1] - y[0]
+def first_grid(ends: Sequence[Ends], length: float | None) -> Partition:
+    """The grid over a box [m] to begin with, its height last if it has any; `length` [m] of
+    shadowing, None without any."""
+    sides = [high - low for low, high in ends]
     longer = max(sides)
     width = min(max(length or 0.0, longer / FIRST), longer / FEWEST)
-    nx, ny = (max(1, ceil(side / width - 1e-9)) for side in sides)
-    return uniform_grid(x, y, nx, ny)
+    return even_grid(ends, [max(1, ceil(side / width - 1e-9)) for side in sides])
 
 
 def shapes(mission: Mission) -> dict[str, Shape]:
-    """Cells along x and y of every channel that chooses its own grid."""
+    """Cells along each axis of every channel that chooses its own grid."""
     found = {name: c.partition.shape for name, c in mission.channels.items() if c.auto}
     return {name: shape for name, shape in found.items() if shape is not None}
 
@@ -43,7 +44,10 @@ def on_grids(mission: Mission, wanted: Mapping[str, Shape]) -> Mission:
     own = shapes(mission)
     channels = {
         name: replace(channel, partition=_on(channel.partition, wanted[name]))
-        if name in own and name in wanted and own[name] != wanted[name]
+        if name in own
+        and name in wanted
+        and own[name] != wanted[name]
+        and len(own[name]) == len(wanted[name])
         else channel
         for name, channel in mission.channels.items()
     }
@@ -53,16 +57,17 @@ def on_grids(mission: Mission, wanted: Mapping[str, Shape]) -> Mission:
 def finer(mission: Mission) -> Mission | None:
     """The mission on grids with cells of half the width; None where none may get finer."""
     own = shapes(mission)
-    wanted = {n: (2 * s[0], 2 * s[1]) for n, s in own.items() if 2 * max(s) <= MOST}
+    wanted = {n: tuple(2 * k for k in s) for n, s in own.items() if 2 * max(s) <= MOST}
     return on_grids(mission, wanted) if wanted else None
 
 
 def text(found: Mapping[str, Shape]) -> str:
     """Grids in words: `radio` on 8 x 8 cells."""
-    return ", ".join(f"`{name}` on {nx} x {ny} cells" for name, (nx, ny) in found.items())
+    return ", ".join(
+        f"`{name}` on {' x '.join(map(str, shape))} cells" for name, shape in found.items()
+    )
 
 
 def _on(partition: Partition, shape: Shape) -> Partition:
-    x_low, x_high, y_low, y_high = partition.boxes.T
-    ends = (float(x_low.min()), float(x_high.max())), (float(y_low.min()), float(y_high.max()))
-    return uniform_grid(*ends, *shape)
+    ends = zip(partition.low.min(axis=0), partition.high.max(axis=0), strict=True)
+    return even_grid([(float(low), float(high)) for low, high in ends], shape)

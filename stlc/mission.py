@@ -42,7 +42,8 @@ class Dynamics:
     """x(t+1) = A x(t) + B u(t) + drift, discrete time.
 
     A (n, n), B (n, m), drift (n,). `position` (2, n) maps a state to its position [m], or is None
-    for an agent that is nowhere. `velocity` are the two state indices of d(position)/dt, if any.
+    for an agent that is nowhere. `velocity` are the two or three state indices of its derivative.
+    `altitude` (n,) maps it to its height [m], or is None for one that stays at height 0.
     Between samples the state follows `flow`, whose zero-order hold A, B and drift are; with none,
     it moves on a straight line if `straight`, and else nothing is known of it.
     `outputs` name further linear signals: (c (n,), d (m,), constant, unit).
@@ -57,11 +58,27 @@ class Dynamics:
     state_units: tuple[str, ...]
     input_units: tuple[str, ...]
     position: Array | None = None
-    velocity: tuple[int, int] | None = None
+    velocity: tuple[int, ...] | None = None
     flow: Flow | None = None
     straight: bool = False
     outputs: Mapping[str, tuple[Array, Array, float, str]] = field(default_factory=dict)
     span: Span | None = None
+    altitude: Array | None = None
+
+    @property
+    def space(self) -> Array | None:
+        """(3, n): x, y and height [m]; None for an agent that is nowhere."""
+        if self.position is None:
+            return None
+        height = np.zeros(len(self.A)) if self.altitude is None else self.altitude
+        return np.vstack([self.position, height])
+
+    @property
+    def axes(self) -> Array:
+        """Rows (k, n) of its coordinates: none, x and y, or x, y and height."""
+        if self.position is None:
+            return np.empty((0, len(self.A)))
+        return self.position if self.altitude is None else np.vstack([self.position, self.altitude])
 
 
 class PolygonKind(Enum):
@@ -73,14 +90,15 @@ class PolygonKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class NormBound:
-    """Euclidean norm of two states (or inputs) <= limit, by a polygon of `sides` sides.
+    """Euclidean norm of two or three states (or inputs) <= limit, by a polygon of `sides` sides.
 
     Face h has the normal (sin(2 pi h / sides), cos(2 pi h / sides)), h = 1..sides, as in the
     paper's eq. (17); offset `limit` (OUTER) or limit * cos(pi / sides) (INSCRIBED). States are
-    bounded at t = 1..T, inputs at t = 0..T-1.
+    bounded at t = 1..T, inputs at t = 0..T-1. Of three the faces are `stlc.sphere.directions`, and
+    INSCRIBED is the only kind.
     """
 
-    indices: tuple[int, int]
+    indices: tuple[int, ...]
     limit: float
     sides: int
     kind: PolygonKind
@@ -135,12 +153,17 @@ class Agent:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Station:
-    """A radio that stays at `position` (2,) [m]."""
+    """A radio that stays at `position` (2,), `height` [m] above the ground."""
 
     name: str
     position: Array
     height: float = 0.0
     span: Span | None = None
+
+    @property
+    def place(self) -> Array:
+        """(3,): x, y and height [m]."""
+        return np.append(np.asarray(self.position, dtype=np.float64), self.height)
 
 
 class Bound(Enum):
@@ -156,7 +179,8 @@ class Channel:
     """A radio channel: a model (with a link budget), link costs given as tables, or both.
 
     The table of a pair wins for its cost; signal strength and error rates are the model's.
-    `tables[(a, b)]`, or `tables[None]` for every pair, is (n, n) with n the cells of `partition`.
+    `tables[(a, b)]`, or `tables[None]` for every pair, is (n, n) with n the cells of `partition`,
+    which has layers of height where any agent has one.
     """
 
     name: str
@@ -243,6 +267,16 @@ class Mission:
     params: Mapping[str, str] = field(default_factory=dict)  # what `-D` set, as it was given
     preferences: tuple[Preference, ...] = ()
     caps: tuple[Cap, ...] = ()
+
+    @property
+    def aerial(self) -> bool:
+        """Whether any agent's height is one of its signals."""
+        return any(agent.dynamics.altitude is not None for agent in self.agents.values())
+
+    @property
+    def cell_axes(self) -> int:
+        """Axes of every channel's cells: 3 where any agent flies, else 2."""
+        return 3 if self.aerial else 2
 
     def summary(self) -> str:
         """One line: agents, requirements, horizon."""

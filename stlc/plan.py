@@ -81,7 +81,7 @@ class Plan:
     """A run of the mission's agents over steps 0..horizon, `step` seconds apart.
 
     `mission` is the file's name, `sha256` the digest of its text, `params` what `-D` set,
-    `grids` the cells along x and y of channels that chose them (`stlc.grids`).
+    `grids` the cells along each axis of channels that chose them (`stlc.grids`).
     `certificate` holds what certification found (plain JSON values).
     """
 
@@ -95,7 +95,7 @@ class Plan:
     links: tuple[LinkSeries, ...] = ()
     certificate: Mapping[str, Any] = field(default_factory=dict)
     params: Mapping[str, str] = field(default_factory=dict)
-    grids: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+    grids: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
 
     @property
     def times(self) -> Array:

@@ -164,13 +164,13 @@ def _plan(top: _Place) -> Plan:
     )
 
 
-def _grid(place: _Place) -> tuple[int, int]:
-    """Cells along x and y of a channel that chose them."""
+def _grid(place: _Place) -> tuple[int, ...]:
+    """Cells along each axis of a channel that chose them."""
     counts = [cell.value for cell in place.items()]
     whole = all(isinstance(n, int) and 1 <= n <= _MOST_CELLS for n in counts)
-    if len(counts) != 2 or not whole:
-        raise place.fail(f"two whole numbers of cells from 1 to {_MOST_CELLS}")
-    return counts[0], counts[1]
+    if len(counts) not in (2, 3) or not whole:
+        raise place.fail(f"two or three whole numbers of cells from 1 to {_MOST_CELLS}")
+    return tuple(counts)
 
 
 def _read_run(place: _Place, horizon: int) -> Run:

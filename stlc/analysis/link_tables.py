@@ -63,14 +63,9 @@ class LinkTables:
         """Cells in reach of each moving end at the link's step, sender first."""
         partition = self.mission.channels[link.channel].partition
         moving = [n for n in (link.sender, link.receiver) if n in self.mission.agents]
-        return [
-            np.asarray(
-                partition.touching(
-                    ranges[name].position_lower[link.shift], ranges[name].position_upper[link.shift]
-                )
-            )
-            for name in moving
-        ]
+        at, axes = link.shift, partition.axes
+        boxes = ((ranges[n].position_lower[at], ranges[n].position_upper[at]) for n in moving)
+        return [np.asarray(partition.touching(low[:axes], high[:axes])) for low, high in boxes]
 
 
 def link_of(node: Node) -> Link:

@@ -11,7 +11,8 @@ from stlc.arrays import Floats
 class Ranges:
     """Interval of every state (T+1, n) and input (T, m) of one agent at every step.
 
-    Sound: every run that satisfies the mission stays within. `position_*` are (T+1, 2) [m].
+    Sound: every run that satisfies the mission stays within. `position_*` are (T+1, 3) [m], heights
+    last.
     """
 
     state_lower: Floats

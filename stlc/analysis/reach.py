@@ -154,7 +154,7 @@ def ranges_of(box: Box) -> Ranges:
     """Freeze; intervals that rounding turned over collapse to their middle."""
     x_low, x_high = _ordered(tidy(box.x_lower), tidy(box.x_upper))
     u_low, u_high = _ordered(tidy(box.u_lower), tidy(box.u_upper))
-    position = position_ranges(box.agent.dynamics.position, x_low, x_high)
+    position = position_ranges(box.agent.dynamics.space, x_low, x_high)
     return Ranges(x_low, x_high, u_low, u_high, *position)
 
 
@@ -170,12 +170,12 @@ def tidy(values: Floats) -> Floats:
     return np.where(dust, near, values)
 
 
-def position_ranges(position: Floats | None, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
-    """Intervals (T+1, 2) of the position of an agent; zeros for one that is nowhere."""
-    if position is None:
-        nowhere = np.zeros((len(lower), 2))
+def position_ranges(space: Floats | None, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
+    """Intervals (T+1, 3) of the place `space` @ x of an agent; zeros for one that is nowhere."""
+    if space is None:
+        nowhere = np.zeros((len(lower), 3))
         return nowhere, nowhere
-    ends = [image(position, low, high) for low, high in zip(lower, upper, strict=True)]
+    ends = [image(space, low, high) for low, high in zip(lower, upper, strict=True)]
     return np.array([e[0] for e in ends]), np.array([e[1] for e in ends])
 
 

@@ -100,8 +100,8 @@ def _reached(
     """Pairs of cells in reach, over the steps of a term."""
     first, last = term.window or (0, mission.horizon)
     ends = [ranges[name] for name in pair if name in mission.agents]
-    touching = channel.partition.touching
+    touching, axes = channel.partition.touching, channel.partition.axes
     return sum(
-        prod(len(touching(r.position_lower[t], r.position_upper[t])) for r in ends)
+        prod(len(touching(r.position_lower[t, :axes], r.position_upper[t, :axes])) for r in ends)
         for t in range(max(first, 1), last + 1)
     )

@@ -64,13 +64,13 @@ def knobs(mission: Mission, conflict: Conflict) -> tuple[Knob, ...]:
 
 
 def _partitions(mission: Mission, givens: tuple[Given, ...]) -> Iterator[Knob]:
-    """A grid `nx x ny` that takes part, with cells of half the width, and so on."""
+    """A grid `nx x ny`, or `nx x ny x nz`, in it, with cells of half the width, and so on."""
     for given in givens:
         for item in properties(mission.source) if given.kind is Kind.PARTITION else ():
-            if item.span != given.span or len(item.args) != 2:
+            if item.span != given.span or len(item.args) not in (2, 3):
                 continue
             found = [n for arg in item.args for n in number(arg, Of.PARTITION)]
-            if len(found) == 2:
+            if len(found) == len(item.args):
                 values, spans = tuple(n.value for n in found), tuple(n.span for n in found)
                 most = max(0, floor(log10(FINEST_GRID / max(values)) / log10(2) + 1e-9))
                 name = f"partition of {given.owner}"

@@ -19,12 +19,12 @@ class Sum:
 
 @dataclass(frozen=True, slots=True)
 class Norms:
-    """`rest + sum of coefficient * sqrt(x^2 + y^2) >= 0`, behind a node over polygons' faces.
+    """`rest + sum of coefficient * sqrt(x^2 + y^2 + ..) >= 0`, behind a node over faces.
 
     The node is sufficient for it where it stands positively, and implied by it under a negation.
     The verifier and the monitor judge this in place of the node.
     """
 
     rest: Sum
-    lengths: tuple[tuple[float, Sum, Sum], ...]
+    lengths: tuple[tuple[float, tuple[Sum, ...]], ...]
     unit: str = ""

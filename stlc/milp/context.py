@@ -65,11 +65,11 @@ class Context:
         return self.mission.agents[name]
 
     def position(self, name: str, step: int, axis: int) -> Affine:
-        """Coordinate `axis` (0 x, 1 y) [m] of an agent's or station's position at a step."""
+        """Coordinate `axis` (0 x, 1 y, 2 z) [m] of an agent's or station's place at a step."""
         station = self.mission.stations.get(name)
         if station is not None:
-            return Affine(np.empty(0, np.int64), np.empty(0), float(station.position[axis]))
-        row = self.agent(name).dynamics.position
+            return Affine(np.empty(0, np.int64), np.empty(0), float(station.place[axis]))
+        row = self.agent(name).dynamics.space
         assert row is not None, "semantic analysis gives every radio a position"
         used = np.flatnonzero(row[axis])
         return Affine(self.states[name][step, used], row[axis][used])

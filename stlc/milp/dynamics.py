@@ -7,10 +7,10 @@ import numpy as np
 from stlc.arrays import Floats, Ints
 from stlc.milp.context import Context
 from stlc.milp.model import Origin
-from stlc.milp.polygons import polygon_normals
+from stlc.milp.polygons import norm_faces
 from stlc.milp.turnrate import add_turn_rate
 from stlc.milp.workspace import add_workspace
-from stlc.mission import Agent, NormBound, PolygonKind
+from stlc.mission import Agent, NormBound
 
 
 def add_agents(ctx: Context) -> None:
@@ -67,10 +67,7 @@ def _add_polygon(ctx: Context, agent: Agent, bound: NormBound, block: Ints, uppe
     """The paper's eq. (17): v_x sin(2 pi h / H) + v_y cos(2 pi h / H) <= offset, h = 1..H."""
     if len(block) == 0:
         return
-    inscribed = bound.kind is PolygonKind.INSCRIBED
-    offset = bound.limit * (np.cos(np.pi / bound.sides) if inscribed else 1.0)
-    normals = polygon_normals(bound.sides)
-    first, second = bound.indices
-    cols = np.repeat(block[:, [first, second]], bound.sides, axis=0)
+    normals, offset = norm_faces(bound)
+    cols = np.repeat(block[:, list(bound.indices)], len(normals), axis=0)
     values = np.tile(normals, (len(block), 1))
     ctx.builder.add_dense_rows(f"norm_{agent.name}", cols, values, -np.inf, offset)

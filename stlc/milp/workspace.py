@@ -40,7 +40,7 @@ def _at_samples(ctx: Context, agent: Agent, workspace: Polytope, position: Float
     """Rows that keep the position at each step inside every face that its range crosses."""
     ranges, x = ctx.ranges[agent.name], ctx.states[agent.name]
     for normal, offset in zip(workspace.normals, workspace.offsets, strict=True):
-        low, high = ranges.position_lower, ranges.position_upper
+        low, high = ranges.position_lower[:, :2], ranges.position_upper[:, :2]
         most = np.maximum(low * normal, high * normal).sum(axis=1)
         steps = np.flatnonzero(most > offset + 1e-9)
         if len(steps):

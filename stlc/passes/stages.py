@@ -118,7 +118,7 @@ def _narrowed(stages: Stages, ranges: Ranges) -> Ranges:
     crossed = low > high
     low = tidy(np.where(crossed, ranges.state_lower, low))
     high = tidy(np.where(crossed, ranges.state_upper, high))
-    position = position_ranges(stages.agent.dynamics.position, low, high)
+    position = position_ranges(stages.agent.dynamics.space, low, high)
     return Ranges(low, high, ranges.input_lower, ranges.input_upper, *position)
 
 

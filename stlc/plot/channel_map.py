@@ -38,17 +38,19 @@ def draw_channel(
     pair = next((s.sender, s.receiver) for s in links if s.channel == channel.name)
     source, other, where = _source(mission, plan, pair)
     boxes = channel.partition.boxes
-    low, high = boxes[:, 0::2].min(axis=0), boxes[:, 1::2].max(axis=0)
+    low, high = boxes[:, 0:4:2].min(axis=0), boxes[:, 1:4:2].max(axis=0)
     xs, ys = _axis_points(low, high)
     grid = np.stack(np.meshgrid(xs, ys, indexing="xy"), axis=-1).reshape(-1, 2)
     places = np.tile(where, (len(grid), 1))
+    height = _height(mission, plan, other)
+    grid = np.column_stack([grid, np.full(len(grid), height)])
     rssi = true_values(mission, channel, (other, source), grid, places).mean
     image = axes.imshow(
         rssi.reshape(len(ys), len(xs)), origin="lower", cmap="cividis", interpolation="bilinear",
         extent=(low[0], high[0], low[1], high[1]), aspect="equal",
     )  # fmt: skip
     _cells(axes, boxes)
-    axes.plot(*where, marker="^", markersize=9, color="white", markeredgecolor="black",
+    axes.plot(*where[:2], marker="^", markersize=9, color="white", markeredgecolor="black",
               markeredgewidth=1.4, linestyle="")  # fmt: skip
     bar = axes.figure.colorbar(image, ax=axes, fraction=0.046, pad=0.03)
     bar.set_label("RSSI [dBm]", fontsize=SMALL)
@@ -56,18 +58,27 @@ def draw_channel(
     bar.outline.set_visible(False)
     axes.grid(False)
     when = "" if source in mission.stations else f" at {plan.times[-1]:g} s"
+    when += f", {height:.3g} m up" if height else ""
     axes.set(xlabel="x [m]", ylabel="y [m]", title=f"Channel seen from {source}{when}")
 
 
 def _source(mission: Mission, plan: Plan, pair: tuple[str, str]) -> tuple[str, str, Array]:
-    """Whom the map is seen from, the other end of the pair, and the place (2,) [m]."""
+    """Whom the map is seen from, the other end of the pair, and the place (3,) [m]."""
     for source, other in (pair, pair[::-1]):
         if source in mission.stations:
-            return source, other, np.asarray(mission.stations[source].position, dtype=np.float64)
+            return source, other, mission.stations[source].place
     other, source = pair
-    position = mission.agents[source].dynamics.position
-    assert position is not None
-    return source, other, np.asarray(position @ plan.runs[source].states[-1], dtype=np.float64)
+    space = mission.agents[source].dynamics.space
+    assert space is not None
+    return source, other, np.asarray(space @ plan.runs[source].states[-1], dtype=np.float64)
+
+
+def _height(mission: Mission, plan: Plan, name: str) -> float:
+    """The height [m] at which the map is drawn: where its other end flies on average, or stands."""
+    if name in mission.stations:
+        return mission.stations[name].height
+    altitude = mission.agents[name].dynamics.altitude
+    return 0.0 if altitude is None else float((plan.runs[name].states @ altitude).mean())
 
 
 def _axis_points(low: Array, high: Array) -> tuple[Array, Array]:

@@ -1,7 +1,8 @@
 """Cells of the workspace on which a channel is tabulated.
 
-A grid numbers its cells ix * ny + iy (columns of constant x one after the other). A quadtree
-has no axes of its own; `common_grid` gives the coarsest grid that refines it.
+A grid numbers its cells ix * ny + iy (columns of constant x one after the other), and where it has
+layers of height too (ix * ny + iy) * nz + iz. A quadtree, of the plane alone, has no axes of its
+own; `common_grid` gives the coarsest grid that refines it.
 """
 
 from __future__ import annotations
@@ -25,49 +26,56 @@ TOUCH = 1e-6
 class Partition:
     """Closed axis-aligned cells with disjoint interiors.
 
-    boxes  (n, 4) [m]: x_lo, x_hi, y_lo, y_hi
-    edges  for a grid its increasing edges along x (nx + 1,) and y (ny + 1,) [m]; else None
+    boxes  (n, 2 D) [m]: x_lo, x_hi, y_lo, y_hi and, with D = 3, z_lo, z_hi
+    edges  for a grid its increasing edges along each axis [m], one more than cells; else None
     """
 
     boxes: Array
-    edges: tuple[Array, Array] | None = None
+    edges: tuple[Array, ...] | None = None
 
     def __post_init__(self) -> None:
-        if self.boxes.ndim != 2 or self.boxes.shape[1] != 4 or not len(self.boxes):
-            raise RadioError(f"a partition needs boxes of shape (n, 4), not {self.boxes.shape}")
+        if self.boxes.ndim != 2 or self.boxes.shape[1] not in (4, 6) or not len(self.boxes):
+            raise RadioError(
+                f"a partition needs boxes of shape (n, 4) or (n, 6), not {self.boxes.shape}"
+            )
         width = self.boxes[:, 1::2] - self.boxes[:, 0::2]
         if not (np.isfinite(self.boxes).all() and (width > 0).all()):
-            raise RadioError("every cell of a partition needs a width above 0 along both axes")
+            raise RadioError("every cell of a partition needs a width above 0 along each axis")
 
     def __len__(self) -> int:
         return len(self.boxes)
 
     @property
-    def shape(self) -> tuple[int, int] | None:
-        """(nx, ny) of a grid, else None."""
-        return None if self.edges is None else (len(self.edges[0]) - 1, len(self.edges[1]) - 1)
+    def axes(self) -> int:
+        """D: 2 in the plane, 3 with layers of height."""
+        return int(self.boxes.shape[1]) // 2
+
+    @property
+    def shape(self) -> tuple[int, ...] | None:
+        """Cells along each axis of a grid, else None."""
+        return None if self.edges is None else tuple(len(e) - 1 for e in self.edges)
 
     @property
     def low(self) -> Array:
-        """Lower corners (n, 2) [m]."""
+        """Lower corners (n, D) [m]."""
         return self.boxes[:, 0::2]
 
     @property
     def high(self) -> Array:
-        """Upper corners (n, 2) [m]."""
+        """Upper corners (n, D) [m]."""
         return self.boxes[:, 1::2]
 
     @property
     def centres(self) -> Array:
-        """Centres (n, 2) [m]."""
+        """Centres (n, D) [m]."""
         return np.asarray((self.low + self.high) / 2.0, dtype=np.float64)
 
     def cells_at(self, point: Sequence[float] | Array, tolerance: float = TOUCH) -> Ints:
-        """Every cell that touches the point (2,) [m]; several at a border, none outside."""
+        """Every cell that touches the point (D,) [m]; several at a border, none outside."""
         return self.touching(np.asarray(point), np.asarray(point), tolerance)
 
     def touching(self, low: Array, high: Array, tolerance: float = TOUCH) -> Ints:
-        """Every cell that meets the closed box from `low` (2,) to `high` (2,) [m]."""
+        """Every cell that meets the closed box from `low` (D,) to `high` (D,) [m]."""
         meets = (self.low <= high + tolerance) & (self.high >= low - tolerance)
         return np.asarray(np.flatnonzero(meets.all(axis=1)), dtype=np.intp)
 
@@ -78,7 +86,7 @@ class Partition:
         """
         if self.edges is not None:
             axes = [_clip_edges(e, low[k], high[k]) for k, e in enumerate(self.edges)]
-            return grid(axes[0], axes[1])
+            return grid(*axes)
         boxes = self.boxes.copy()
         boxes[:, 0::2] = np.maximum(boxes[:, 0::2], low)
         boxes[:, 1::2] = np.minimum(boxes[:, 1::2], high)
@@ -98,29 +106,37 @@ class Partition:
         return fine, owner
 
 
-def grid(x_edges: Sequence[float] | Array, y_edges: Sequence[float] | Array) -> Partition:
-    """Grid with the given edges [m], not necessarily uniform or square.
+def grid(*along: Sequence[float] | Array) -> Partition:
+    """Grid with the given edges [m] along x, y and perhaps z, not necessarily uniform or square.
 
     Raises RadioError unless the edges are strictly increasing.
     """
-    axes = [np.asarray(e, dtype=np.float64) for e in (x_edges, y_edges)]
-    for name, edges in zip("xy", axes, strict=True):
+    axes = [np.asarray(e, dtype=np.float64) for e in along]
+    for name, edges in zip("xyz", axes, strict=False):
         if edges.ndim != 1 or len(edges) < 2 or not (np.diff(edges) > 0).all():
             raise RadioError(f"partition edges along {name} must be strictly increasing")
-    x, y = axes
-    x_lo, y_lo = np.meshgrid(x[:-1], y[:-1], indexing="ij")
-    x_hi, y_hi = np.meshgrid(x[1:], y[1:], indexing="ij")
-    boxes = np.column_stack([x_lo.ravel(), x_hi.ravel(), y_lo.ravel(), y_hi.ravel()])
-    return Partition(boxes, (x, y))
+    low = np.meshgrid(*(e[:-1] for e in axes), indexing="ij")
+    high = np.meshgrid(*(e[1:] for e in axes), indexing="ij")
+    ends = [side.ravel() for both in zip(low, high, strict=True) for side in both]
+    return Partition(np.column_stack(ends), tuple(axes))
 
 
 def uniform_grid(
     x_range: tuple[float, float], y_range: tuple[float, float], nx: int, ny: int
 ) -> Partition:
     """Grid of nx by ny equal cells over a rectangle [m]."""
-    if nx < 1 or ny < 1:
-        raise RadioError(f"a partition needs at least one cell along each axis, not {nx} x {ny}")
-    return grid(np.linspace(*x_range, nx + 1), np.linspace(*y_range, ny + 1))
+    return even_grid((x_range, y_range), (nx, ny))
+
+
+def even_grid(ranges: Sequence[tuple[float, float]], counts: Sequence[int]) -> Partition:
+    """Grid of `counts` equal cells along each axis of a box [m], of two or three.
+
+    Raises RadioError where an axis has no cell.
+    """
+    if min(counts) < 1:
+        such = " x ".join(map(str, counts))
+        raise RadioError(f"a partition needs at least one cell along each axis, not {such}")
+    return grid(*(np.linspace(*r, n + 1) for r, n in zip(ranges, counts, strict=True)))
 
 
 def _clip_edges(edges: Array, low: float, high: float) -> Array:

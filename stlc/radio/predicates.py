@@ -24,7 +24,8 @@ from stlc.radio.bounds import EVERYWHERE
 from stlc.radio.errors import RadioError
 from stlc.radio.gp import ChannelModel
 from stlc.radio.link_budget import LinkBudget, check_fading, z_quantile
-from stlc.radio.table import BoundName, LinkEnds, LinkTable, bound_ends, make_table, tabulate
+from stlc.radio.link_ends import LinkEnds
+from stlc.radio.table import BoundName, LinkTable, bound_ends, make_table, tabulate
 
 Array = NDArray[np.float64]
 Interval = tuple[Array, Array]

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from stlc.radio.bounds import pair_bounds
 from stlc.radio.gp import ChannelModel
+from stlc.radio.link_ends import LinkEnds
 from stlc.radio.partition import Partition
-from stlc.radio.table import LinkEnds
 
 Array = NDArray[np.float64]
 

@@ -19,6 +19,7 @@ from stlc.radio.costs import CostName, cost_interval, link_cost
 from stlc.radio.errors import RadioError
 from stlc.radio.gp import ChannelModel
 from stlc.radio.link_budget import LinkBudget, check_fading
+from stlc.radio.link_ends import LinkEnds
 from stlc.radio.pairs import predict_pairs, row_blocks
 from stlc.radio.partition import Partition
 from stlc.radio.taylor import Boxes
@@ -75,7 +76,7 @@ class LinkTable:
         return float(self.stored[low * len(self.first) - low * (low - 1) // 2 + high - low])
 
     def at_points(self, a: Array, b: Array | None = None, largest: bool = False) -> float:
-        """The least (or largest) value among the cells that touch the points (2,) [m].
+        """The least (or largest) value among the cells that touch the points (D,) [m].
 
         Raises RadioError for a point outside the partition.
         """
@@ -113,62 +114,6 @@ def make_table(
     if second is first and np.array_equal(values, values.T):
         return LinkTable(values[np.triu_indices(len(first))], first, second, True, unit, notes)
     return LinkTable(values, first, second, False, unit, notes)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class LinkEnds:
-    """The two ends of a link: cells, and either cells or a station.
-
-    first     cells of the first end
-    second    cells of the second end (None: the same as the first), or a point (2,) [m]
-    heights   of the two ends [m]; None for a channel in the plane
-    receiver  name whose calibration offset applies
-    """
-
-    first: Partition
-    second: Partition | Array | None = None
-    heights: tuple[float, float] | None = None
-    receiver: str | None = None
-
-    @property
-    def station(self) -> bool:
-        """True when the second end does not move."""
-        return isinstance(self.second, np.ndarray)
-
-    @property
-    def symmetric(self) -> bool:
-        """True when both ends share cells and height: the table is stored once."""
-        same = self.second is None or self.second is self.first
-        return same and (self.heights is None or self.heights[0] == self.heights[1])
-
-    @property
-    def second_cells(self) -> Partition | None:
-        """Cells of the second end, None for a station."""
-        if isinstance(self.second, np.ndarray):
-            return None
-        return self.first if self.second is None else self.second
-
-    def boxes(self) -> tuple[Boxes, Boxes]:
-        """Both ends as boxes with 2 or 3 axes."""
-        first = _cell_boxes(self.first)
-        if isinstance(self.second, np.ndarray):
-            point = np.asarray(self.second, dtype=np.float64)[None, :2]
-            second = Boxes(point, np.zeros_like(point))
-        else:
-            second = first if self.second is None else _cell_boxes(self.second)
-        if self.heights is None:
-            return first, second
-        return _lift(first, self.heights[0]), _lift(second, self.heights[1])
-
-
-def _cell_boxes(partition: Partition) -> Boxes:
-    return Boxes(partition.centres, (partition.high - partition.low) / 2.0)
-
-
-def _lift(boxes: Boxes, height: float) -> Boxes:
-    """Add a third axis, on which the boxes have no width."""
-    level = np.full((len(boxes), 1), height)
-    return Boxes(np.hstack([boxes.centre, level]), np.hstack([boxes.half, np.zeros_like(level)]))
 
 
 def cost_table(

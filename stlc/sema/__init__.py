@@ -64,6 +64,7 @@ def load_all_diagnostics() -> None:
         "stlc.sema.unit_errors",
         "stlc.sema.number_errors",
         "stlc.sema.shape_errors",
+        "stlc.sema.space_errors",
         "stlc.sema.time_errors",
         "stlc.sema.channel_errors",
         "stlc.sema.objective_errors",

@@ -186,13 +186,13 @@ def start(
     if base.name in _KINDS and count == len(axes) < n:
         full = np.zeros(n)
         full[axes] = props.numbers(expr, scope, [METRE] * count, env)
-    elif count == 2 and n != 2 and base.position is not None:
-        where = props.numbers(expr, scope, (METRE, METRE), env)
+    elif count == len(base.axes) < n:
+        where = props.numbers(expr, scope, [METRE] * count, env)
         full = np.zeros(n)
-        full[[int(np.argmax(row)) for row in base.position]] = where
+        full[[int(np.argmax(row)) for row in base.axes]] = where
     else:
         full = props.numbers(expr, scope, [unit_of(u) for u in base.state_units], env)
-    for row in () if base.position is None else base.position:
+    for row in base.axes:
         near(float(row @ full), expr.span)
     return full
 

@@ -176,14 +176,16 @@ def _norm(
     scope: Scope,
 ) -> None:
     """A Euclidean norm, as a polygon."""
-    if len(target.indices) != 2 or not np.isfinite(limit):
-        raise props.bad(item, "of a polygon needs two components", "speed <= 2 polygon 16")
+    if len(target.indices) not in (2, 3) or not np.isfinite(limit):
+        problem = "of a polygon needs two components, or three"
+        raise props.bad(item, problem, "speed <= 2 polygon 16")
     sides, kind = _polygon(item, words, scope)
+    if kind is PolygonKind.OUTER and len(target.indices) == 3:
+        raise props.bad(item, "`outer` is of two components", "speed <= 2 polygon 16")
     if kind is PolygonKind.OUTER:
         excess = 100.0 * (1.0 / cos(pi / sides) - 1.0)
         scope.report.add(OuterPolygon(span=item.span, excess=excess, sides=sides))
-    indices = (target.indices[0], target.indices[1])
-    bound = NormBound(indices, limit, sides, kind, item.span)
+    bound = NormBound(target.indices, limit, sides, kind, item.span)
     (bounds.state_norms if target.kind == "state" else bounds.input_norms).append(bound)
 
 
@@ -236,7 +238,7 @@ def _named(text: str, dynamics: Dynamics) -> Target | None:
     if text in SPEED_NAMES and "single_integrator" in dynamics.name and text == "speed":
         return Target("input", tuple(range(len(dynamics.inputs))), True)
     if text in PLACE_NAMES and dynamics.position is not None:
-        return Target("state", tuple(int(np.argmax(r)) for r in dynamics.position), False)
+        return Target("state", tuple(int(np.argmax(r)) for r in dynamics.axes), False)
     match ALIASES.get(text):
         case "input":
             return Target("input", tuple(range(len(dynamics.inputs))), text == "control")

@@ -6,11 +6,13 @@ import math
 from collections.abc import Callable
 
 from stlc.diagnostics import Diagnostic
+from stlc.mission import Array
 from stlc.sema import clock, link_calls, scalars
-from stlc.sema.members import point
+from stlc.sema.members import flies, point
 from stlc.sema.name_errors import Nonlinear, UnknownName, WrongArity, WrongKind
 from stlc.sema.report import Mistake, suggested_fix, suggestion, with_note
 from stlc.sema.scope import Scope, as_scalar
+from stlc.sema.space_errors import NotInSpace
 from stlc.sema.units import PURE, Unit
 from stlc.sema.values import (
     Env,
@@ -26,11 +28,16 @@ from stlc.sema.values import (
     describe,
 )
 from stlc.source import Span
+from stlc.sphere import directions, shrink
 from stlc.syntax import ast
 from stlc.syntax.past import PAST, past_operator
 
 SIDES = 16
 """Faces of the polygon that stands for a Euclidean distance, unless said otherwise."""
+
+SIDES_IN_SPACE = 12
+"""The same in space, around each elevation: 62 faces, which lose at most 7 %. 16 would make 114,
+each a choice for `>=`, and lose 4 %."""
 
 MOST_SIDES = 256
 
@@ -151,26 +158,45 @@ def _norm_inf(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
 
 
 def _norm2(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
-    """`norm2` of two numbers, by a polygon that is sound for the sign under which it stands."""
+    """`norm2` of two or three numbers, by faces that are sound for the sign it stands under."""
     items = _spread(expr, args)
-    if len(items) != 2:
+    if len(items) not in (2, 3):
         raise Mistake(
             Nonlinear(
                 span=expr.span,
                 what=f"the Euclidean norm of {len(items)} numbers",
-                hint="use `norm1` or `norminf`; the Euclidean norm of two signals is a polygon",
+                hint="use `norm1` or `norminf`; the Euclidean norm is that of two or three signals",
             )
         )
-    return euclidean(items[0], items[1], SIDES, expr.span)
+    return euclidean(items, None, expr.span)
 
 
-def euclidean(x: Scalar, y: Scalar, sides: int, span: Span) -> Scalar:
-    """sqrt(x^2 + y^2), to be compared through a polygon that is sound on both sides."""
-    unit = scalars.same_unit((x, y), span, "measured together")
-    if x.is_constant and y.is_constant:
-        return Scalar(math.hypot(x.constant, y.constant), unit=unit)
-    faces = tuple(_face(x, y, 2.0 * math.pi * h / sides, span) for h in range(sides))
-    return Scalar(folds=((Fold(FoldKind.DISTANCE, faces, (x, y)), 1.0),), unit=unit)
+def euclidean(parts: tuple[Scalar, ...], sides: int | None, span: Span) -> Scalar:
+    """sqrt(x^2 + y^2 + ..) of two or three parts, to be compared through faces that are sound on
+    both sides."""
+    unit = scalars.same_unit(parts, span, "measured together")
+    if all(part.is_constant for part in parts):
+        return Scalar(math.hypot(*(part.constant for part in parts)), unit=unit)
+    if len(parts) == 3:
+        around = sides or SIDES_IN_SPACE
+        normals = directions(around)
+        faces = tuple(_along(parts, normal, span) for normal in normals)
+        least = shrink(around)
+    else:
+        x, y = parts
+        count = sides or SIDES
+        faces = tuple(_face(x, y, 2.0 * math.pi * h / count, span) for h in range(count))
+        least = math.cos(math.pi / count)
+    return Scalar(folds=((Fold(FoldKind.DISTANCE, faces, parts, least), 1.0),), unit=unit)
+
+
+def _along(parts: tuple[Scalar, ...], normal: Array, span: Span) -> Scalar:
+    """How far x, y and z reach along a direction (3,)."""
+    weighted = [scalars.scale(p, float(n), p.unit) for p, n in zip(parts, normal, strict=True)]
+    total = weighted[0]
+    for part in weighted[1:]:
+        total = scalars.add(total, part, span)
+    return total
 
 
 def _face(x: Scalar, y: Scalar, angle: float, span: Span) -> Scalar:
@@ -178,27 +204,32 @@ def _face(x: Scalar, y: Scalar, angle: float, span: Span) -> Scalar:
     return scalars.add(scalars.scale(x, cosine, x.unit), scalars.scale(y, sine, y.unit), span)
 
 
-def _difference(expr: ast.Call, args: tuple[Value, ...]) -> tuple[Scalar, Scalar]:
-    ax, ay = point(args[0], expr.args[0].span)
-    bx, by = point(args[1], expr.args[1].span)
-    return (
-        scalars.add(ax, bx, expr.span, sign=-1.0),
-        scalars.add(ay, by, expr.span, sign=-1.0),
-    )
+def _difference(expr: ast.Call, args: tuple[Value, ...]) -> tuple[Scalar, ...]:
+    """Along x and y; along z too where one of both flies. Mistake for a point without a height
+    then."""
+    ends = [point(value, e.span) for value, e in zip(args[:2], expr.args, strict=False)]
+    axes = 3 if any(flies(value) for value in args[:2]) else 2
+    for end, e in zip(ends, expr.args, strict=False):
+        if len(end) < axes:
+            problem = "this point has no height, and the other end has one"
+            hint = f"write a third coordinate: `{e.span.text.rstrip(')')}, 0 m)`"
+            raise Mistake(NotInSpace(span=e.span, problem=problem, hint=hint))
+    pairs = list(zip(*ends, strict=False))[:axes]
+    return tuple(scalars.add(a, b, expr.span, sign=-1.0) for a, b in pairs)
 
 
 def _separation(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
     need(expr, (2,), "separation(a, b)")
-    return Separation(*_difference(expr, args))
+    return Separation(_difference(expr, args))
 
 
 def _distance(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
     need(expr, (2, 3), "distance(a, b)")
-    sides = scope.whole(expr.args[2]) if len(args) == 3 else SIDES
-    if not 4 <= sides <= MOST_SIDES:
+    sides = scope.whole(expr.args[2]) if len(args) == 3 else None
+    if sides is not None and not 4 <= sides <= MOST_SIDES:
         expected = f"4 to {MOST_SIDES} sides"
         raise Mistake(WrongKind(span=expr.args[2].span, expected=expected, found=str(sides)))
-    return euclidean(*_difference(expr, args), sides, expr.span)
+    return euclidean(_difference(expr, args), sides, expr.span)
 
 
 def _function(compute: Callable[[float], float]) -> Builtin:

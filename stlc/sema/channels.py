@@ -12,6 +12,7 @@ from stlc.sema.channel_data import conditioned, fitted, read_table, sample_sourc
 from stlc.sema.channel_errors import BadChannel, RayleighWithFading
 from stlc.sema.costs import pairs_of
 from stlc.sema.files import Files
+from stlc.sema.heights import check_samples, height_range
 from stlc.sema.link_calls import missing
 from stlc.sema.number_errors import OutOfScale
 from stlc.sema.partitions import is_auto, partition
@@ -122,6 +123,7 @@ def channel(statement: ast.ChannelDecl, scope: Scope, files: Files) -> Channel:
     owner = f"channel `{statement.name.text}`"
     reader = Reader(props.block(owner, statement.properties, PROPERTIES, scope), scope)
     model = _model(statement, reader, files)
+    check_samples(reader.block, statement.name.text, model, scope)
     cells = _partition(statement, reader, model, scope)
     budget = _budget(reader) if model is not None else None
     if model is not None and budget is not None:
@@ -155,7 +157,9 @@ def _partition(
         problem, hint = "a partition needs a workspace", "add `workspace box [0, 10] x [0, 10]`"
         span = name.span if item is None else item.span
         raise Mistake(BadChannel(span=span, channel=name.text, problem=problem, hint=hint))
-    return partition(item, model, scope)
+    tabled = reader.block.get("table") is not None  # a station looks its cell up there
+    heights = height_range(scope, name.text, tabled)
+    return partition(item, model, heights, scope)
 
 
 def _cost(reader: Reader, scope: Scope) -> str:

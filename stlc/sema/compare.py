@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import cos, pi
 from operator import eq, ge, gt, le, lt, ne
 from typing import Literal
 
@@ -113,7 +112,7 @@ def _norms(scalar: Scalar) -> Norms | None:
     for fold, coefficient in scalar.folds:
         if any(face.folds for face in fold.args):
             return None
-        lengths.append((coefficient, _sum(fold.components[0]), _sum(fold.components[1])))
+        lengths.append((coefficient, tuple(_sum(part) for part in fold.components)))
     return Norms(_sum(scalar), tuple(lengths), unit_name(scalar))
 
 
@@ -122,14 +121,14 @@ def _sum(scalar: Scalar) -> Sum:
 
 
 def _sound(fold: Fold, coefficient: float, positive: bool) -> float:
-    """A polygon's max over faces is within [cos(pi/K) d, d] of the distance d it stands for.
+    """A max over faces is within [least d, d] of the distance d it stands for.
 
     A requirement must imply the true one, and under a negation be implied by it: so `distance
     large` is judged by the inner value when it stands positively, `distance small` by the outer.
     """
     if fold.kind is not FoldKind.DISTANCE or (coefficient > 0) == positive:
         return coefficient
-    return coefficient / cos(pi / len(fold.args))
+    return coefficient / fold.least
 
 
 def _plus(a: Scalar, b: Scalar) -> Scalar:

@@ -101,9 +101,10 @@ def from_matrices(statement: ast.DynamicsDecl, block: props.Block, scope: Scope)
         a, b, drift = discretised(a, b, drift, scope.step, name, span)
     states = _names(block, "states", "x", n)
     inputs = _names(block, "inputs", "u", m)
-    position = _indices(block, "position", states) or _default(states, ("px", "py"))
-    velocity = _indices(block, "velocity", states) or _default(states, ("vx", "vy"))
+    position = _indices(block, "position", states) or _default(states, ("px", "py", "pz"))
+    velocity = _indices(block, "velocity", states) or _default(states, ("vx", "vy", "vz"))
     rows = None if position is None else np.eye(n)[list(position)]
+    altitude = None if rows is None or len(rows) == 2 else rows[2]
     return Dynamics(
         statement.name.text,
         a,
@@ -113,11 +114,12 @@ def from_matrices(statement: ast.DynamicsDecl, block: props.Block, scope: Scope)
         inputs,
         _units(block, "state_units", states, position, velocity),
         _units(block, "input_units", inputs, None, None),
-        rows,
+        None if rows is None else rows[:2],
         velocity,
         flow,
         straight,
         span=statement.name.span,
+        altitude=altitude,
     )
 
 
@@ -180,8 +182,8 @@ def _names(block: props.Block, key: str, letter: str, count: int) -> tuple[str, 
     return texts
 
 
-def _indices(block: props.Block, key: str, states: tuple[str, ...]) -> tuple[int, int] | None:
-    """Indices of the two states that `key` names, or None where it isn't given."""
+def _indices(block: props.Block, key: str, states: tuple[str, ...]) -> tuple[int, ...] | None:
+    """Indices of the two or three states that `key` names, or None where it isn't given."""
     item = block.get(key)
     if item is None:
         return None
@@ -192,14 +194,16 @@ def _indices(block: props.Block, key: str, states: tuple[str, ...]) -> tuple[int
             hint = suggestion(name.text, list(states), f"states are {', '.join(states)}")
             fix = suggested_fix(name.span, name.text, list(states))
             raise Mistake(UnknownName(span=name.span, name=name.text, hint=hint, fix=fix))
-    if len(found) != 2:
-        raise props.bad(item, f"needs two states, not {len(found)}", usage)
-    return states.index(found[0].text), states.index(found[1].text)
+    if len(found) not in (2, 3):
+        raise props.bad(item, f"needs two states, or three, not {len(found)}", usage)
+    return tuple(states.index(name.text) for name in found)
 
 
-def _default(states: tuple[str, ...], names: tuple[str, str]) -> tuple[int, int] | None:
-    if all(n in states for n in names):
-        return states.index(names[0]), states.index(names[1])
+def _default(states: tuple[str, ...], names: tuple[str, ...]) -> tuple[int, ...] | None:
+    """Indices of all the names that are states, or of the first two; None where these are none."""
+    for wanted in (names, names[:2]):
+        if all(n in states for n in wanted):
+            return tuple(states.index(n) for n in wanted)
     return None
 
 
@@ -207,8 +211,8 @@ def _units(
     block: props.Block,
     key: str,
     names: tuple[str, ...],
-    position: tuple[int, int] | None,
-    velocity: tuple[int, int] | None,
+    position: tuple[int, ...] | None,
+    velocity: tuple[int, ...] | None,
 ) -> tuple[str, ...]:
     """Declared units; else m for the position, m/s for the velocity, nothing for the rest."""
     item = block.get(key)

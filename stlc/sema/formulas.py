@@ -30,6 +30,7 @@ from stlc.sema.quantifiers import instances
 from stlc.sema.report import Mistake, Reported
 from stlc.sema.scalars import absolute, add
 from stlc.sema.scope import Scope, as_scalar
+from stlc.sema.space_errors import NotInSpace
 from stlc.sema.swept import separation_claim, sweep
 from stlc.sema.unit_errors import LevelAgainstRatio
 from stlc.sema.values import Chance, Env, Items, Place, Radio, Scalar, Separation, Value
@@ -195,15 +196,23 @@ def _level_advice(diagnostic: Diagnostic, spans: tuple[Span, Span]) -> Diagnosti
 
 
 def per_axis(left: Separation, operator: Operator, right: Items, span: Span, env: Env) -> Node:
-    """`separation(a, b) >= (dx, dy)`: far apart along some axis; `<=`: close along both."""
-    if len(right.items) != 2 or operator in ("==", "!="):
+    """`separation(a, b) >= (dx, dy)`: far apart along some axis; `<=`: close along all."""
+    if len(right.items) == 2 < len(left.axes):
+        raise Mistake(
+            NotInSpace(
+                span=span,
+                problem="a separation in space has three axes",
+                hint="write a distance for each: `separation(a, b) >= (1 m, 1 m, 2 m)`",
+            )
+        )
+    if len(right.items) != len(left.axes) or operator in ("==", "!="):
         raise Mistake(
             WrongKind(span=span, expected="one distance, or one for each axis", found="this")
         )
     limits = [as_scalar(v, span) for v in right.items]
     parts = tuple(
         compare(absolute(axis, span), operator, limit, span, env.positive)
-        for axis, limit in zip((left.dx, left.dy), limits, strict=True)
+        for axis, limit in zip(left.axes, limits, strict=True)
     )
     return Or(parts, span=span) if operator in (">", ">=") else And(parts, span=span)
 

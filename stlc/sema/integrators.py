@@ -44,7 +44,8 @@ def double_integrator(count: int, dt: float) -> Dynamics:
         state_units=(str(METRE),) * count + (str(SPEED),) * count,
         input_units=(str(ACCELERATION),) * count,
         position=np.eye(2, 2 * count) if count >= 2 else None,
-        velocity=(count, count + 1) if count >= 2 else None,
+        velocity=tuple(range(count, 2 * count)) if count >= 2 else None,
+        altitude=np.eye(2 * count)[2] if count == 3 else None,
         flow=Flow(
             np.block([[zero, eye], [zero, zero]]), np.vstack([zero, eye]), np.zeros(2 * count)
         ),
@@ -64,5 +65,6 @@ def single_integrator(count: int, dt: float) -> Dynamics:
         state_units=(str(METRE),) * count,
         input_units=(str(SPEED),) * count,
         position=np.eye(2, count) if count >= 2 else None,
+        altitude=np.eye(count)[2] if count == 3 else None,
         flow=Flow(np.zeros((count, count)), np.eye(count), np.zeros(count)),
     )

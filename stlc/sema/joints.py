@@ -177,7 +177,8 @@ class _Joints:
         first, last = kept[0].avoided, kept[1].avoided
         span = first.span or last.span
         assert span is not None, "a condition of the file has its place in it"
-        where, swept = point(first.agent, span), all(k.avoided.swept for k in kept)
+        x, y, *_ = point(first.agent, span)
+        where, swept = (x, y), all(k.avoided.swept for k in kept)
         parts = tuple(keep(where, sweeps, False, swept, self.scope, span) for sweeps in plugs)
         node = parts[0] if len(parts) == 1 else And(parts, span=span)
         return [_within(node, *window) for window in windows]

@@ -24,10 +24,10 @@ def attribute(expr: ast.Attribute, env: Env, scope: Scope) -> Value:
         case Radio(thing=Agent() as agent):
             return agent_member(agent, name, span)
         case Radio(thing=Station() as station):
-            if name in ("x", "y"):
-                return Scalar(float(station.position["xy".index(name)]), unit=METRE)
+            if name in AXES:
+                return Scalar(float(station.place[AXES.index(name)]), unit=METRE)
             owner = f"station `{station.name}`"
-            raise Mistake(_unknown(owner, name, ["x", "y"], span))
+            raise Mistake(_unknown(owner, name, list(AXES), span))
     raise Mistake(_unknown(describe(base), name, [], span))
 
 
@@ -40,9 +40,11 @@ def agent_member(agent: Agent, name: str, span: Span) -> Value:
         return control(agent, dynamics.inputs.index(name))
     if name in dynamics.outputs:
         return output(agent, name)
-    if name in ("x", "y", "position") and dynamics.position is not None:
-        both = position(agent, span)
-        return Items(both, "tuple") if name == "position" else both["xy".index(name)]
+    axes = axes_of(agent)
+    if name == "position" and axes:
+        return Items(place(agent, span)[: len(axes)], "tuple")
+    if name in axes:
+        return place(agent, span)[axes.index(name)]
     if name == "state":
         return Members(tuple(state(agent, k) for k in range(len(dynamics.states))))
     if name == "u":
@@ -50,7 +52,7 @@ def agent_member(agent: Agent, name: str, span: Span) -> Value:
     if name in ("v", "velocity") and dynamics.velocity is not None:
         return Members(tuple(state(agent, k) for k in dynamics.velocity))
     known = [*dynamics.states, *dynamics.inputs, *dynamics.outputs, "u", "state"]
-    known += ["x", "y"] if dynamics.position is not None else []
+    known += axes
     raise Mistake(_unknown(f"agent `{agent.name}`", name, known, span))
 
 
@@ -90,26 +92,47 @@ def _row(agent: Agent, role: Role, row: Array) -> tuple[tuple[Signal, float], ..
     return tuple((Signal(agent.name, role, int(k)), float(row[k])) for k in np.flatnonzero(row))
 
 
-def position(thing: Agent | Station, span: Span) -> tuple[Scalar, Scalar]:
-    """The coordinates [m]. Raises Mistake if the agent is nowhere."""
+AXES = "xyz"
+Place3 = tuple[Scalar, Scalar, Scalar]
+"""Coordinates [m]: x, y, height."""
+
+
+def axes_of(thing: Agent | Station) -> list[str]:
+    """Coordinates that are its signals: none, x and y, or these and z."""
     if isinstance(thing, Station):
-        x, y = (Scalar(float(c), unit=METRE) for c in thing.position)
-        return x, y
-    rows = thing.dynamics.position
+        return list(AXES)
+    if thing.dynamics.position is None:
+        return []
+    return list(AXES if thing.dynamics.altitude is not None else AXES[:2])
+
+
+def place(thing: Agent | Station, span: Span) -> Place3:
+    """Where it is; an agent without a height is at 0. Raises Mistake if it is nowhere."""
+    if isinstance(thing, Station):
+        x, y, z = (Scalar(float(c), unit=METRE) for c in thing.place)
+        return x, y, z
+    rows = thing.dynamics.space
     if rows is None:
         raise Mistake(NoPosition(span=span, name=thing.name))
-    x, y = (Scalar(terms=_row(thing, Role.STATE, row), unit=METRE) for row in rows)
-    return x, y
+    x, y, z = (Scalar(terms=_row(thing, Role.STATE, row), unit=METRE) for row in rows)
+    return x, y, z
 
 
-def point(value: Value, span: Span) -> tuple[Scalar, Scalar]:
-    """An agent, a station or a tuple as coordinates [m]."""
+def flies(value: Value) -> bool:
+    """Whether its height is one of its signals, or given with it as a third coordinate."""
     if isinstance(value, Radio):
-        return position(value.thing, span)
-    if isinstance(value, Items) and len(value.items) == 2:
-        x, y = value.items
-        if isinstance(x, Scalar) and isinstance(y, Scalar):
-            return _metres(x, span), _metres(y, span)
+        return isinstance(value.thing, Agent) and value.thing.dynamics.altitude is not None
+    return isinstance(value, Items) and len(value.items) == 3
+
+
+def point(value: Value, span: Span) -> tuple[Scalar, ...]:
+    """An agent, a station or a tuple as coordinates [m]: three, or two for a tuple of two."""
+    if isinstance(value, Radio):
+        return place(value.thing, span)
+    if isinstance(value, Items) and len(value.items) in (2, 3):
+        found = tuple(_metres(i, span) for i in value.items if isinstance(i, Scalar))
+        if len(found) == len(value.items):
+            return found
     hint = "write `a in region` or `a outside region`" if isinstance(value, Place) else ""
     raise Mistake(
         WrongKind(span=span, expected="an agent or a point", found=describe(value), hint=hint)

@@ -53,12 +53,13 @@ def _relate(subject: Value, place: Value, expr: ast.Membership, scope: Scope) ->
 
 
 def _is_point(items: Items) -> bool:
-    return len(items.items) == 2 and all(isinstance(i, Scalar) for i in items.items)
+    return len(items.items) in (2, 3) and all(isinstance(i, Scalar) for i in items.items)
 
 
 def _against(subject: Value, place: Place, expr: ast.Membership, scope: Scope) -> Node:
     """One point or number pair against one place, with the claim that the verifier judges."""
-    where = point(subject, expr.subject.span)
+    x, y, *_ = point(subject, expr.subject.span)
+    where = (x, y)
     sweeps, inside = _sweeps(place, expr), expr.relation == "in"
     node = keep(where, sweeps, inside, expr.swept, scope, expr.span)
     if not expr.swept:

@@ -39,9 +39,7 @@ def of_inputs(item: ast.Property | None, base: Dynamics, env: Env, scope: Scope)
 
 def _axes(base: Dynamics) -> list[int]:
     """States that are coordinates of the position."""
-    if base.position is None:
-        return []
-    return [int(np.argmax(row)) for row in base.position]
+    return [int(np.argmax(row)) for row in base.axes]
 
 
 def _given(

@@ -1,9 +1,13 @@
-"""Partitions of a channel: `auto`, `10 x 10`, edges `[0, 2, 5] x [0, 5]`, or a quadtree."""
+"""Partitions of a channel: `auto`, `10 x 10`, edges `[0, 2, 5] x [0, 5]`, or a quadtree.
+
+Where any agent flies cells have layers of height too: `8 x 8 x 3`; `8 x 8` has one.
+"""
 
 from __future__ import annotations
 
 from functools import lru_cache
 from itertools import pairwise
+from math import prod
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +23,8 @@ if TYPE_CHECKING:
     from stlc.radio.gp import ChannelModel
     from stlc.radio.partition import Partition
 
+Ends = tuple[float, float]
+
 USAGE = "partition 10 x 10"
 MOST_CELLS = 40_000
 
@@ -29,14 +35,18 @@ def is_auto(item: ast.Property | None) -> bool:
     return item is None or (isinstance(head, ast.Name) and head.text == "auto")
 
 
-def partition(item: ast.Property | None, model: ChannelModel | None, scope: Scope) -> Partition:
-    """The cells that a property describes, over the workspace's bounding box."""
+def partition(
+    item: ast.Property | None, model: ChannelModel | None, heights: Ends | None, scope: Scope
+) -> Partition:
+    """The cells that a property describes, over the workspace's bounding box and `heights` [m]."""
     if item is None or is_auto(item):
-        return _auto(item, model, scope)
+        return _auto(item, model, heights, scope)
     head = item.args[0] if item.args else None
     if isinstance(head, ast.Name) and head.text == "quadtree":
+        if heights is not None:
+            raise props.bad(item, "divides the plane, and agents fly here", "partition 8 x 8 x 3")
         return _quadtree(item, list(item.args[1:]), model, scope)
-    return _grid(item, item.args, scope)
+    return _grid(item, item.args, heights, scope)
 
 
 def _quadtree(
@@ -49,7 +59,7 @@ def _quadtree(
     usage = "partition quadtree 8 x 8 tolerance 3 dB cells 200"
     if model is None:
         raise props.bad(item, "of a table must be a grid", USAGE)
-    start = _grid(item, tuple(words[:2]), scope)
+    start = _grid(item, tuple(words[:2]), None, scope)
     tolerance, most = 3.0, 4 * len(start)
     rest = words[2:]
     while rest:
@@ -68,40 +78,51 @@ def _quadtree(
     return quadtree(start, variation_score(model, fixed), tolerance, most)
 
 
-def _auto(item: ast.Property | None, model: ChannelModel | None, scope: Scope) -> Partition:
+def _auto(
+    item: ast.Property | None, model: ChannelModel | None, heights: Ends | None, scope: Scope
+) -> Partition:
+    """The grid that a channel begins with where it chooses its own."""
     from stlc.grids import first_grid
 
     assert scope.workspace is not None, "the channel was refused"
     if model is None:
         assert item is not None, "a table without a partition was refused"
         raise props.bad(item, "of a table must be a grid", USAGE)
-    x_lo, x_hi, y_lo, y_hi = bounds([scope.workspace])
     length = model.length if model.shadowing > 0 else None
-    return first_grid((x_lo, x_hi), (y_lo, y_hi), length)
+    return first_grid(_ends(heights, scope), length)
 
 
-def _grid(item: ast.Property, args: tuple[ast.Expr, ...], scope: Scope) -> Partition:
-    """Cells from counts or edges [m] along both axes."""
+def _ends(heights: Ends | None, scope: Scope) -> list[Ends]:
+    """What cells have to cover along each axis [m]."""
     assert scope.workspace is not None, "the channel was refused"
     x_lo, x_hi, y_lo, y_hi = bounds([scope.workspace])
-    if len(args) != 2:
-        raise props.bad(item, "needs cells along x and along y", USAGE)
-    edges = [
-        _edges(item, expr, ends, scope)
-        for expr, ends in zip(args, ((x_lo, x_hi), (y_lo, y_hi)), strict=True)
-    ]
-    count = (len(edges[0]) - 1) * (len(edges[1]) - 1)
+    return [(x_lo, x_hi), (y_lo, y_hi), *([] if heights is None else [heights])]
+
+
+def _grid(
+    item: ast.Property, args: tuple[ast.Expr, ...], heights: Ends | None, scope: Scope
+) -> Partition:
+    """Cells from counts or edges [m] along each axis; one layer of height where none are given."""
+    ends = _ends(heights, scope)
+    if heights is None and len(args) == 3:
+        raise props.bad(item, "has layers of height, and no agent flies", USAGE)
+    if len(args) not in (2, len(ends)):
+        usage = USAGE if heights is None else "partition 8 x 8 x 3"
+        raise props.bad(item, "needs cells along x and along y", usage)
+    edges = [_edges(item, e, side, scope) for e, side in zip(args, ends, strict=False)]
+    edges += [list(side) for side in ends[len(args) :]]
+    count = prod(len(e) - 1 for e in edges)
     if count > MOST_CELLS:
         raise props.bad(item, f"has {count} cells, more than {MOST_CELLS}", USAGE)
-    return _made(tuple(edges[0]), tuple(edges[1]))
+    return _made(*(tuple(e) for e in edges))
 
 
 @lru_cache(maxsize=8)
-def _made(x: tuple[float, ...], y: tuple[float, ...]) -> Partition:
+def _made(*edges: tuple[float, ...]) -> Partition:
     """One grid for all channels that have the same."""
     from stlc.radio.partition import grid
 
-    return grid(x, y)
+    return grid(*edges)
 
 
 def _edges(
@@ -118,6 +139,6 @@ def _edges(
     if len(edges) < 2 or any(b <= a for a, b in pairwise(edges)):
         raise props.bad(item, "has edges that don't increase", "partition [0, 2, 5] x [0, 5]")
     if edges[0] > ends[0] + 1e-9 or edges[-1] < ends[1] - 1e-9:
-        problem = f"doesn't cover the workspace from {ends[0]:g} to {ends[1]:g}"
+        problem = f"doesn't cover what is in use, from {ends[0]:g} to {ends[1]:g}"
         raise props.bad(item, problem, "partition [0, 2, 5] x [0, 5]", expr.span)
     return [float(v) for v in edges]

@@ -267,7 +267,7 @@ def as_scalar(value: Value, span: Span) -> Scalar:
     if isinstance(value, Scalar):
         return value
     if isinstance(value, Separation):
-        return maximum((absolute(value.dx, span), absolute(value.dy, span)), span)
+        return maximum(tuple(absolute(axis, span) for axis in value.axes), span)
     hint = ""
     if isinstance(value, Radio):
         hint = "an agent's signals are written `r1.x`, `r1.vx`"

@@ -33,19 +33,21 @@ class FoldKind(Enum):
 
     MAX = "max"
     MIN = "min"
-    DISTANCE = "distance"  # the max over polygon faces, which is within cos(pi/K) of a norm
+    DISTANCE = "distance"  # the max over faces, which is within `least` of a norm
 
 
 @dataclass(frozen=True, slots=True)
 class Fold:
     """Maximum or minimum of scalars; `pieces` counts the linear functions it is made of.
 
-    `components` (x, y) of a DISTANCE, which its faces stand for.
+    `components` (x, y), or (x, y, z), of a DISTANCE, which its faces stand for; the largest of them
+    is between `least` times the distance and the distance.
     """
 
     kind: FoldKind
     args: tuple[Scalar, ...]
     components: tuple[Scalar, ...] = ()
+    least: float = 1.0
     pieces: int = field(init=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -78,10 +80,9 @@ class Scalar:
 
 @dataclass(frozen=True, slots=True)
 class Separation:
-    """The axis differences dx and dy; as a scalar, max(|dx|, |dy|)."""
+    """The differences along x and y, and z in space; as a scalar, the largest of their sizes."""
 
-    dx: Scalar
-    dy: Scalar
+    axes: tuple[Scalar, ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -130,7 +130,7 @@ def _links(mission: Mission, model: ChannelModel, pair: Pair, runs: Runs) -> Arr
     """The links (W, T+1, 2 D) [m] of a pair in each world."""
     ends = np.broadcast_arrays(*(runs.positions[name] for name in pair))
     steps, _, worlds = ends[0].shape
-    a, b = (np.moveaxis(end, 2, 0).reshape(-1, 2) for end in ends)
+    a, b = (np.moveaxis(end, 2, 0).reshape(-1, 3) for end in ends)
     return true_links(mission, model, pair, a, b).reshape(worlds, steps, -1)
 
 

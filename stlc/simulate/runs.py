@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Runs:
-    """Signals (steps, width, D) of all agents, and positions (T+1, 2, D) [m] of agents and
+    """Signals (steps, width, D) of all agents, and positions (T+1, 3, D) [m] of agents and
     stations that are somewhere; D is the number of draws, or 1 for who is exactly where planned."""
 
     signals: Mapping[tuple[str, Role], Array]
@@ -40,10 +40,11 @@ def draw_runs(mission: Mission, plan: Plan, draws: int, rng: np.random.Generator
     for name, agent in mission.agents.items():
         states, inputs = _run(agent, plan.runs[name], draws, rng)
         signals[name, Role.STATE], signals[name, Role.INPUT] = states, inputs
-        if agent.dynamics.position is not None:
-            positions[name] = np.einsum("pn,tnd->tpd", agent.dynamics.position, states)
+        space = agent.dynamics.space
+        if space is not None:
+            positions[name] = np.einsum("pn,tnd->tpd", space, states)
     for station in mission.stations.values():
-        place = np.asarray(station.position, dtype=np.float64)[None, :, None]
+        place = station.place[None, :, None]
         positions[station.name] = np.repeat(place, mission.horizon + 1, axis=0)
     return Runs(signals, positions)
 

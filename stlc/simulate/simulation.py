@@ -133,7 +133,9 @@ def _in_workspace(mission: Mission, runs: Runs) -> Iterator[Array]:
     if space is None or not placed:
         return
     slacks = [
-        (space.offsets[:, None] - np.einsum("kp,tpd->tkd", space.normals, place)).min(axis=(0, 1))
+        (space.offsets[:, None] - np.einsum("kp,tpd->tkd", space.normals, place[:, :2])).min(
+            axis=(0, 1)
+        )
         for place in placed
     ]
     yield np.min(slacks, axis=0)[None, :]

@@ -22,7 +22,7 @@ def tabled_cost(
 ) -> Array:
     """Cost (T+1, D) of a pair: the cheapest of the touching cells, infinite outside every cell.
 
-    positions (T+1, 2, D) [m]. Raises StlcError when the channel has no table for the pair.
+    positions (T+1, 3, D) [m]. Raises StlcError when the channel has no table for the pair.
     """
     table = given_table(mission, channel, pair)
     moving = [name for name in pair if name in mission.agents]
@@ -30,7 +30,7 @@ def tabled_cost(
         return np.full((mission.horizon + 1, 1), float(table))
     places = np.broadcast_arrays(*(positions[name] for name in moving))
     steps, _, draws = places[0].shape
-    flat = [np.moveaxis(place, 1, 2).reshape(-1, 2) for place in places]
+    flat = [np.moveaxis(place, 1, 2).reshape(-1, 3) for place in places]
     size = max(1, _BLOCK // len(channel.partition.boxes))
     parts = [
         _cheapest(table, channel.partition, [place[k : k + size] for place in flat])
@@ -40,7 +40,7 @@ def tabled_cost(
 
 
 def _cheapest(table: Array, cells: Partition, places: list[Array]) -> Array:
-    """The least touching entry (K,) of a table with one axis for each of `places` (K, 2)."""
+    """The least touching entry (K,) of a table with one axis for each of `places` (K, 3)."""
     masks = [_touched(cells, place) for place in places]
     counts = [mask.sum(axis=1) for mask in masks]
     out = np.asarray(table[tuple(mask.argmax(axis=1) for mask in masks)], dtype=np.float64).copy()
@@ -52,7 +52,8 @@ def _cheapest(table: Array, cells: Partition, places: list[Array]) -> Array:
 
 def _touched(cells: Partition, place: Array) -> NDArray[np.bool_]:
     """Which cells each position touches (K, cells)."""
-    x_low, x_high, y_low, y_high = cells.boxes.T
-    x, y = place[:, :1], place[:, 1:]
-    within = (x >= x_low - TOUCH) & (x <= x_high + TOUCH)
-    return np.asarray(within & (y >= y_low - TOUCH) & (y <= y_high + TOUCH))
+    within = np.ones((len(place), len(cells)), dtype=np.bool_)
+    for axis in range(cells.axes):
+        at = place[:, axis : axis + 1]
+        within &= (at >= cells.low[:, axis] - TOUCH) & (at <= cells.high[:, axis] + TOUCH)
+    return within

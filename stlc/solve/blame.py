@@ -133,7 +133,7 @@ class _Analysis:
         """The grid of the first link's channel with cells of half the width."""
         link = next(n for n in walk(node) if isinstance(n, Link))
         shape = self._channel(link).partition.shape
-        return "" if shape is None else f"partition {2 * shape[0]} x {2 * shape[1]}"
+        return "" if shape is None else "partition " + " x ".join(str(2 * n) for n in shape)
 
     def _failing(self, node: Node, step: int) -> tuple[Node, int, int] | None:
         """The part of a failing node that already fails, from which step, needed until when."""

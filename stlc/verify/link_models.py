@@ -39,10 +39,12 @@ class CellModel:
         key = (channel.name, agent)
         if key not in self._touched:
             place = self.subject.positions[agent]
-            x_low, x_high, y_low, y_high = channel.partition.boxes.T
-            x, y = place[:, :1], place[:, 1:]
-            within_x = (x >= x_low - TOUCH) & (x <= x_high + TOUCH)
-            self._touched[key] = within_x & (y >= y_low - TOUCH) & (y <= y_high + TOUCH)
+            inside = np.ones((len(place), len(channel.partition.boxes)), dtype=np.bool_)
+            for axis in range(channel.partition.boxes.shape[1] // 2):
+                low, high = channel.partition.boxes[:, 2 * axis : 2 * axis + 2].T
+                at = place[:, axis : axis + 1]
+                inside &= (at >= low - TOUCH) & (at <= high + TOUCH)
+            self._touched[key] = inside
         return self._touched[key]
 
     def lookup(self, channel: Channel, pair: Pair, table: Array, pick: Pick) -> Array:

@@ -13,6 +13,7 @@ f U[a,b] g = G[0,a] f and F[a,b] g and F[a,a] (f U g), which is exact for robust
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -227,11 +228,12 @@ def _aligned(left: Array, right: Array) -> tuple[Array, Array]:
 
 
 def _lengths(norms: Norms, trace: Trace) -> Array:
-    """rest + sum of coefficient * sqrt(x^2 + y^2) at the common leading steps."""
+    """rest + sum of coefficient * sqrt(x^2 + y^2 + ..) at the common leading steps."""
     parts = [_linear(norms.rest, trace)]
-    for coefficient, *components in norms.lengths:
-        x, y = _aligned(*(_linear(c, trace) for c in components))
-        parts.append(coefficient * np.hypot(x, y))
+    for coefficient, components in norms.lengths:
+        values = [_linear(c, trace) for c in components]
+        count = min(map(len, values))
+        parts.append(coefficient * reduce(np.hypot, [v[:count] for v in values]))
     shortest = min(map(len, parts))
     return np.asarray(sum(part[:shortest] for part in parts), dtype=np.float64)
 

@@ -25,7 +25,7 @@ TOLERANCE = 1e-6
 class Subject:
     """A plan beside its mission.
 
-    `positions` are (T+1, 2) [m] of every agent and station that is somewhere.
+    `positions` are (T+1, 3) [m], heights last, of every agent and station that is somewhere.
     """
 
     mission: Mission
@@ -45,10 +45,11 @@ def make_subject(mission: Mission, plan: Plan, tables: ChannelTables | None) -> 
     """Join plan and mission. Raises UsageError when the plan is of another mission's shape."""
     check_shape(mission, plan)
     length = mission.horizon + 1
-    positions = {s.name: np.tile(s.position, (length, 1)) for s in mission.stations.values()}
+    positions = {s.name: np.tile(s.place, (length, 1)) for s in mission.stations.values()}
     for name, agent in mission.agents.items():
-        if agent.dynamics.position is not None:
-            positions[name] = plan.runs[name].states @ agent.dynamics.position.T
+        space = agent.dynamics.space
+        if space is not None:
+            positions[name] = plan.runs[name].states @ space.T
     return Subject(mission, plan, tables or ChannelTables(mission), positions)
 
 

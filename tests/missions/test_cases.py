@@ -17,6 +17,7 @@ INFEASIBLE = {
     "union_seam": "clear",
     "swept_boat": "safe",
     "cells_too_coarse": "partition",
+    "altitude": "`rssi(b, base) >= -70 dBm` is out of reach",
     "prr_average": "`prr(r, base) >= 0.69` is out of reach",
 }
 """Case -> what is named as the reason."""

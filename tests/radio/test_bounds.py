@@ -10,6 +10,7 @@ from stlc.radio.errors import RadioError
 from stlc.radio.gp import ChannelModel
 from stlc.radio.kernel import KernelName
 from stlc.radio.link_budget import LinkBudget, Modulation
+from stlc.radio.link_ends import LinkEnds
 from stlc.radio.pairs import predict_pairs
 from stlc.radio.partition import grid
 from stlc.radio.predicates import (
@@ -19,7 +20,7 @@ from stlc.radio.predicates import (
     quantity_value,
     threshold_table,
 )
-from stlc.radio.table import LinkEnds, cost_table
+from stlc.radio.table import cost_table
 
 MODEL, _ = conditioned(15)
 CELLS = grid([-4.0, -3.0, -2.0, 0.0], [-1.0, 0.5, 1.2])

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 from stlc.radio.gp import ChannelModel
 from stlc.radio.link_budget import LinkBudget, Modulation
+from stlc.radio.link_ends import LinkEnds
 from stlc.radio.partition import grid
 from stlc.radio.posterior import exact_posterior
 from stlc.radio.predicates import LinkPredicate, Quantity, quantity_value, threshold_table
-from stlc.radio.table import LinkEnds
 
 POINTS = 400
 

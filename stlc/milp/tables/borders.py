@@ -35,7 +35,7 @@ def beside(ctx: Context, place: Place, axis: int, shared: Ints) -> Ints:
     if not len(shared):
         return shared
     up, down = _on_border(ctx, place, axis, shared)
-    name = place.name(f"{'xy'[axis]}_beside")
+    name = place.name(f"{'xyz'[axis]}_beside")
     own = ctx.builder.add_columns(name, (len(shared),), 0.0, 1.0, integer=place.whole)
     _below(ctx.builder, name, np.stack([own, shared, np.full_like(own, up)], axis=1))
     _below(ctx.builder, name, np.stack([shared, own, np.full_like(own, down)], axis=1))
@@ -57,7 +57,7 @@ def _on_border(ctx: Context, place: Place, axis: int, shared: Ints) -> tuple[int
     if key not in ctx.memo:
         edges = place.reach(ctx).edges[axis]
         width = float(np.diff(edges).max())
-        cols = ctx.builder.binary(place.name(f"{'xy'[axis]}_border"), (2,))
+        cols = ctx.builder.binary(place.name(f"{'xyz'[axis]}_border"), (2,))
         intervals = of_ordered(shared)
         _at(ctx, place, axis, intervals, edges[1:], int(cols[0]), width)
         _at(ctx, place, axis, intervals, edges[:-1], int(cols[1]), -width)
@@ -82,5 +82,5 @@ def _at(
     factors = np.concatenate([position.values, -values, [-width]])
     limit = constant - position.constant - width
     low, high = (limit, np.inf) if width > 0 else (-np.inf, limit)
-    name = place.name(f"{'xy'[axis]}_border")
+    name = place.name(f"{'xyz'[axis]}_border")
     ctx.builder.add_rows(name, np.zeros(len(entries), np.int64), entries, factors, low, high)

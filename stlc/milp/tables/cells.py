@@ -9,7 +9,8 @@ Position and indicators s over intervals [lo_i, hi_i]:
 
     sum_i lo_i s_i <= p <= sum_i hi_i s_i                                       (2 rows an axis)
 
-Sizes for m_x by m_y intervals in reach, k cells, B(m) = ceil(log2 m):
+Sizes for m_x by m_y intervals in reach, k cells, B(m) = ceil(log2 m); layers of height are a third
+axis like the others, with its own intervals, 2 more rows and the same counts of its own:
 
 ordered, grid     (m_x - 1) + (m_y - 1) binaries; rows 4 + max(0, m_x - 2) + max(0, m_y - 2)
 ordered, boxes    the same binaries and k columns; rows 5 + the ordering rows + the index rows
@@ -84,7 +85,7 @@ class Place:
 
 
 def marginals(ctx: Context, place: Place, kind: Kind) -> tuple[Group, ...]:
-    """Indicators that fix the cell: two groups (x and y) on a grid, else one of all cells."""
+    """Indicators that fix the cell: a group for each axis on a grid, else one of all cells."""
     place = _seen(ctx, place, kind)
     key = place.key(f"marginals.{kind.value}")
     if key not in ctx.memo:
@@ -112,7 +113,7 @@ def _marginals(ctx: Context, place: Place, kind: Kind) -> tuple[Group, ...]:
         return (Group(everything, _coded_cells(ctx, place, one_hot, "cell")),)
     if not region.unit:
         return (Group(everything, _coded_cells(ctx, place, gray, "cell_gray")),)
-    return _axis_groups(region, [_gray_axis(ctx, place, axis) for axis in range(2)])
+    return _axis_groups(region, [_gray_axis(ctx, place, axis) for axis in range(len(region.shape))])
 
 
 def _coded_cells(
@@ -121,7 +122,7 @@ def _coded_cells(
     """Indicators of the cells themselves, tied to the position."""
     region = place.reach(ctx)
     cells = make(ctx.builder, place.name(name), len(region.cells))
-    for axis in range(2):
+    for axis in range(len(region.shape)):
         _pin(ctx, place, axis, cells, region.low[:, axis], region.high[:, axis])
     return cells
 
@@ -129,7 +130,7 @@ def _coded_cells(
 def _gray_axis(ctx: Context, place: Place, axis: int) -> Simplex:
     """Gray-coded intervals along one axis, tied to the position."""
     edges = place.reach(ctx).edges[axis]
-    simplex = gray(ctx.builder, place.name(f"{'xy'[axis]}_gray"), len(edges) - 1)
+    simplex = gray(ctx.builder, place.name(f"{'xyz'[axis]}_gray"), len(edges) - 1)
     _pin(ctx, place, axis, simplex, edges[:-1], edges[1:])
     return simplex
 
@@ -138,8 +139,8 @@ def _axis_groups(region: Reach, simplices: Sequence[Simplex]) -> tuple[Group, ..
     return tuple(Group(region.spans[:, 2 * k], s) for k, s in enumerate(simplices))
 
 
-def ordered_axes(ctx: Context, place: Place) -> tuple[Ints, Ints]:
-    """Ordered binaries along x and y, b_k = 1: beyond interval k; tied to the position."""
+def ordered_axes(ctx: Context, place: Place) -> tuple[Ints, ...]:
+    """Ordered binaries along each axis, b_k = 1: beyond interval k; tied to the position."""
     place = _seen(ctx, place, Kind.ORDERED)
     key = place.key("axes")
     if key not in ctx.memo and place.user and place.reach(ctx).unit:
@@ -150,14 +151,15 @@ def ordered_axes(ctx: Context, place: Place) -> tuple[Ints, Ints]:
     if key not in ctx.memo:
         region = place.reach(ctx)
         axes = tuple(
-            ordered(ctx.builder, place.name(f"{'xy'[k]}_beyond"), region.shape[k]) for k in range(2)
+            ordered(ctx.builder, place.name(f"{'xyz'[k]}_beyond"), size)
+            for k, size in enumerate(region.shape)
         )
         ctx.memo[key] = axes
         if region.unit:
             _pin_axes(ctx, place, region, axes)
         else:
             _box_weights(ctx, place)
-    found: tuple[Ints, Ints] = ctx.memo[key]
+    found: tuple[Ints, ...] = ctx.memo[key]
     return found
 
 
@@ -178,7 +180,7 @@ def _box_weights(ctx: Context, place: Place) -> Ints:
         join_boxes(
             ctx.builder, place.name("cell_span"), cols, region.spans, ordered_axes(ctx, place)
         )
-        for axis in range(2):
+        for axis in range(len(region.shape)):
             simplex = of_columns(cols)
             _pin(ctx, place, axis, simplex, region.low[:, axis], region.high[:, axis])
     found: Ints = ctx.memo[key]
@@ -193,7 +195,7 @@ def _pin(
     parts = [simplex.weighted(low), simplex.weighted(high)]
     sizes = [len(position.cols) + len(p[0]) for p in parts]
     ctx.builder.add_rows(
-        place.name(f"{'xy'[axis]}_cell"),
+        place.name(f"{'xyz'[axis]}_cell"),
         np.repeat([0, 1], sizes),
         np.concatenate([position.cols, parts[0][0], position.cols, parts[1][0]]),
         np.concatenate([position.values, -parts[0][1], position.values, -parts[1][1]]),
@@ -206,7 +208,7 @@ def _pin(
 def cell_columns(ctx: Context, place: Place, kind: Kind) -> Ints:
     """One column (k,) for each cell in reach: 1 iff the agent counts as being there (memoised).
 
-    On a grid k continuous columns joined to both axes (rows m_x + m_y); else the cells' own.
+    On a grid k continuous columns joined to all axes (rows m_x + m_y + ..); else the cells' own.
     """
     place = _seen(ctx, place, kind)
     key = place.key(f"columns.{kind.value}")
@@ -217,7 +219,7 @@ def cell_columns(ctx: Context, place: Place, kind: Kind) -> Ints:
         cols = groups[0].simplex.cols[:, 0]
     else:
         cols = ctx.builder.add_columns(place.name("cell"), (len(groups[0].labels),), 0.0, 1.0)
-        for axis, group in zip("xy", groups, strict=True):
+        for axis, group in zip("xyz", groups, strict=False):
             join(ctx.builder, place.name(f"cell_{axis}"), group.labels, cols, group.simplex)
     ctx.memo[key] = cols
     return cols

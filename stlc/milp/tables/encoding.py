@@ -41,5 +41,5 @@ class Encoding(Protocol):
     def below(self, ctx: Context, link: Link, table: Floats) -> Affine:
         """At least the value at integer points, and the value itself when minimised."""
 
-    def size(self, shapes: Sequence[tuple[int, int]]) -> Size:
-        """For one link at one step on a grid: intervals in reach (m_x, m_y) of each end."""
+    def size(self, shapes: Sequence[tuple[int, ...]]) -> Size:
+        """For one link at one step on a grid: intervals in reach (m_x, m_y, ..) of each end."""

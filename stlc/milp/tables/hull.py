@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import prod
 
 from stlc.arrays import Floats
 from stlc.milp.context import Affine, Context
@@ -36,10 +37,11 @@ class Hull:
         """The same: exact."""
         return self.value(ctx, link, table)
 
-    def size(self, shapes: Sequence[tuple[int, int]]) -> Size:
+    def size(self, shapes: Sequence[tuple[int, ...]]) -> Size:
         """The formula above."""
-        cells = [x * y for x, y in shapes]
-        total = Size(sum(cells), 5 * len(cells), sum(cells))
+        cells = [prod(s) for s in shapes]
+        rows = sum(2 * len(s) + 1 for s in shapes)
+        total = Size(sum(cells), rows, sum(cells))
         if len(cells) < 2:
             return total
         return total + Size(cells[0] * cells[1], sum(cells), 0)

@@ -20,6 +20,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from hashlib import blake2b
+from math import prod
 
 import numpy as np
 
@@ -50,11 +51,11 @@ class Lifted:
         """A column above the cuts."""
         return _bounded(ctx, link, table, above=False)
 
-    def size(self, shapes: Sequence[tuple[int, int]]) -> Size:
+    def size(self, shapes: Sequence[tuple[int, ...]]) -> Size:
         """The formula above, for `below`."""
         axes = sum((ordered_size(s) for s in shapes), Size(0, 0, 0))
-        cells = sum(x * y for x, y in shapes)
-        joined = axes + Size(cells, sum(x + y for x, y in shapes), 0)
+        cells = sum(prod(s) for s in shapes)
+        joined = axes + Size(cells, sum(sum(s) for s in shapes), 0)
         return joined + Size(1, cells, 0) if len(shapes) == 2 else joined
 
 

@@ -5,6 +5,9 @@ a_pt in 1..N_x, b_pt in 1..N_y, r_pt in 1..n:
 
     x_min + (a - 1) d_x <= x <= x_min + a d_x,   the same with y, b, d_y,   r = (a - 1) N_y + b
 
+Layers of height, which the paper doesn't have, are a third axis: c in 1..N_z and
+r = ((a - 1) N_y + b - 1) N_z + c.
+
 and for each pair (p, q) and each cell pair (i, j) a binary O_ijt, 0 iff p is in i and q in j:
 
     i - r_p <= M O_ij,  r_p - i <= M O_ij,  j - r_q <= M O_ij,  r_q - j <= M O_ij
@@ -21,6 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import prod
 
 import numpy as np
 
@@ -54,13 +58,13 @@ class Literal:
         """The same: exact."""
         return self.value(ctx, link, table)
 
-    def size(self, shapes: Sequence[tuple[int, int]]) -> Size:
+    def size(self, shapes: Sequence[tuple[int, ...]]) -> Size:
         """The formula above; the shapes are those of the whole grid."""
         ends = len(shapes)
         if not ends:
             return Size(0, 0, 0)
-        pairs = int(np.prod([x * y for x, y in shapes]))
-        return Size(pairs + 3 * ends, 2 * ends * pairs + 1 + 5 * ends, pairs)
+        pairs, axes = prod(prod(shape) for shape in shapes), sum(map(len, shapes))
+        return Size(pairs + axes + ends, 2 * ends * pairs + 1 + 2 * axes + ends, pairs)
 
 
 def occupancy(ctx: Context, link: Link, how: Literal) -> Ints:
@@ -103,21 +107,23 @@ def _numbers(ctx: Context, place: Place, how: Literal) -> tuple[int, int, int]:
     key = place.key(how.name)  # every user has numbers of its own
     if key not in ctx.memo:
         shape, origin, width = uniform(place.spans)
-        low, high = np.array([1, 1]), np.array(shape)
+        low, high = np.ones(len(shape), np.int64), np.array(shape)
         if how.big_m is None:
             region = place.reach(ctx)
             low = np.array(region.first) + 1
             high = np.array(region.first) + np.array(region.shape)
         axes = [
             int(ctx.builder.add_columns(place.name(n), (1,), low[k], high[k], integer=True)[0])
-            for k, n in enumerate("ab")
+            for k, n in enumerate("abc"[: len(shape)])
         ]
-        for axis in range(2):
+        for axis in range(len(shape)):
             _place_rows(ctx, place, axis, axes[axis], origin[axis], width[axis])
-        first, last = (int((v[0] - 1) * shape[1] + v[1]) for v in (low, high))
+        strides = np.array([prod(shape[k + 1 :]) for k in range(len(shape))], dtype=np.int64)
+        rest = 1 - int(strides.sum())
+        first, last = (int(strides @ v) + rest for v in (low, high))
         number = ctx.builder.add_columns(place.name("r"), (1,), first, last, integer=True)
         ctx.builder.add_dense_rows(
-            place.name("number"), [[*number, *axes]], [[1.0, -shape[1], -1.0]], -shape[1], -shape[1]
+            place.name("number"), [[*number, *axes]], [[1.0, *(-strides)]], rest, rest
         )
         ctx.memo[key] = (int(number[0]), first, last)
     found: tuple[int, int, int] = ctx.memo[key]
@@ -134,20 +140,20 @@ def _place_rows(
     base = origin - position.constant
     lower, upper = [base - width, -np.inf], [np.inf, base]
     ctx.builder.add_dense_rows(
-        place.name(f"{'xy'[axis]}_cell"), np.stack([cols, cols]), values, lower, upper
+        place.name(f"{'xyz'[axis]}_cell"), np.stack([cols, cols]), values, lower, upper
     )
 
 
-def uniform(spans: Spans) -> tuple[tuple[int, int], tuple[float, float], tuple[float, float]]:
+def uniform(spans: Spans) -> tuple[tuple[int, ...], tuple[float, ...], tuple[float, ...]]:
     """Shape, lower corner and cell size [m] of a uniform grid numbered ix * N_y + iy.
 
     Raises TableError for any other partition.
     """
-    shape = (len(spans.edges[0]) - 1, len(spans.edges[1]) - 1)
-    grid = np.indices(shape).reshape(2, -1).T
+    shape = spans.shape
+    grid = np.indices(shape).reshape(len(shape), -1).T
     is_grid = len(spans) == len(grid) and np.array_equal(spans.spans, np.repeat(grid, 2, axis=1))
     widths = [np.diff(e) for e in spans.edges]
     if not is_grid or any(np.ptp(w) > TOUCH for w in widths):
         raise TableError("the literal encoding needs a uniform grid; use unary for this partition")
-    origin = (float(spans.edges[0][0]), float(spans.edges[1][0]))
-    return shape, origin, (float(widths[0].mean()), float(widths[1].mean()))
+    origin = tuple(float(edges[0]) for edges in spans.edges)
+    return shape, origin, tuple(float(w.mean()) for w in widths)

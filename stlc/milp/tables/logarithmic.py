@@ -38,12 +38,12 @@ class Logarithmic:
         """The same: exact."""
         return self.value(ctx, link, table)
 
-    def size(self, shapes: Sequence[tuple[int, int]]) -> Size:
+    def size(self, shapes: Sequence[tuple[int, ...]]) -> Size:
         """The formula above."""
-        table = Size(prod(x * y for x, y in shapes), sum(x + y for x, y in shapes), 0)
+        table = Size(prod(prod(s) for s in shapes), sum(sum(s) for s in shapes), 0)
         return sum((_gray_size(s) for s in shapes), table) if shapes else Size(0, 0, 0)
 
 
-def _gray_size(shape: tuple[int, int]) -> Size:
+def _gray_size(shape: tuple[int, ...]) -> Size:
     bits = sum(bits_for(m) for m in shape)
-    return Size(sum(shape) + bits, 6 + bits, bits)
+    return Size(sum(shape) + bits, 3 * len(shape) + bits, bits)

@@ -1,13 +1,15 @@
 """Partitions in index space: every cell is a product of intervals between consecutive edges.
 
 The distinct cell borders along one axis are its *edges*. On them any partition into boxes, grid
-or quadtree, becomes a set of index boxes (first .. last interval along x, the same along y), and
-"the agent is in cell c" becomes two pairs of index bounds. A grid has cells of one interval each.
+or quadtree, becomes a set of index boxes (first .. last interval along x, the same along y, and
+along z where cells have layers of height), and "the agent is in cell c" becomes a pair of index
+bounds for each axis. A grid has cells of one interval each.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import prod
 from typing import Protocol
 
 import numpy as np
@@ -21,7 +23,7 @@ TOUCH = 1e-6
 
 
 class Cells(Protocol):
-    """What is needed of a partition: closed boxes (n, 4) [m], x_lo, x_hi, y_lo, y_hi."""
+    """What is needed of a partition: closed boxes (n, 2 D) [m], x_lo, x_hi, y_lo, y_hi, .."""
 
     @property
     def boxes(self) -> Floats:
@@ -30,14 +32,19 @@ class Cells(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Spans:
-    """A partition on its edges. `spans` (n, 4): first and last interval along x, then along y."""
+    """A partition on its edges. `spans` (n, 2 D): first and last interval along x, y, .."""
 
-    edges: tuple[Floats, Floats]
+    edges: tuple[Floats, ...]
     spans: Ints
     key: bytes
 
     def __len__(self) -> int:
         return len(self.spans)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Intervals along each axis."""
+        return tuple(len(edges) - 1 for edges in self.edges)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,42 +52,42 @@ class Reach:
     """The cells an agent can be in at a step, on the edges it can be between.
 
     cells  (k,) numbers in the partition
-    spans  (k, 4) first and last interval along x and y, counted from `first`
+    spans  (k, 2 D) first and last interval along each axis, counted from `first`
     edges  of the intervals in reach, the outermost drawn in to the reachable range [m]
-    first  number of the first interval in reach along x and y
-    low, high  (k, 2) corners of the cells, cut to those edges [m]
+    first  number of the first interval in reach along each axis
+    low, high  (k, D) corners of the cells, cut to those edges [m]
     """
 
     cells: Ints
     spans: Ints
-    edges: tuple[Floats, Floats]
-    first: tuple[int, int]
+    edges: tuple[Floats, ...]
+    first: tuple[int, ...]
     low: Floats
     high: Floats
 
     @property
-    def shape(self) -> tuple[int, int]:
-        """Intervals in reach along x and y."""
-        return len(self.edges[0]) - 1, len(self.edges[1]) - 1
+    def shape(self) -> tuple[int, ...]:
+        """Intervals in reach along each axis."""
+        return tuple(len(edges) - 1 for edges in self.edges)
 
     @property
     def unit(self) -> bool:
-        """Every cell is one interval by one interval, and none is missing, as in a grid."""
+        """Every cell is one interval along each axis, and none is missing, as in a grid."""
         single = np.all(self.spans[:, 0::2] == self.spans[:, 1::2])
-        return bool(single) and len(self.cells) == self.shape[0] * self.shape[1]
+        return bool(single) and len(self.cells) == prod(self.shape)
 
 
 def spans_of(partition: Cells) -> Spans:
     """Index form of a partition; borders closer than TOUCH are one edge."""
     boxes = np.ascontiguousarray(partition.boxes, dtype=np.float64)
-    edges = tuple(_distinct(boxes[:, 2 * k : 2 * k + 2]) for k in range(2))
+    edges = tuple(_distinct(boxes[:, k : k + 2]) for k in range(0, boxes.shape[1], 2))
     columns = []
     for k, axis in enumerate(edges):
         inner = axis - TOUCH
         columns.append(np.searchsorted(inner, boxes[:, 2 * k], side="right") - 1)
         columns.append(np.searchsorted(inner, boxes[:, 2 * k + 1], side="right") - 2)
     spans = np.stack(columns, axis=1).astype(np.int64)
-    return Spans((edges[0], edges[1]), spans, boxes.tobytes())
+    return Spans(edges, spans, boxes.tobytes())
 
 
 def _distinct(borders: Floats) -> Floats:
@@ -106,24 +113,25 @@ def _reach(ctx: Context, spans: Spans, agent: str, step: int) -> Reach:
     TableError where there is none."""
     ranges = ctx.ranges[agent]
     low, high = ranges.position_lower[step], ranges.position_upper[step]
-    bounds = [_touched(spans.edges[k], low[k], high[k]) for k in range(2)]
+    axes = range(len(spans.edges))
+    bounds = [_touched(spans.edges[k], low[k], high[k]) for k in axes]
     box = np.array([[b[0], b[1]] for b in bounds])
     meets = (spans.spans[:, 1::2] >= box[:, 0]) & (spans.spans[:, 0::2] <= box[:, 1])
     cells = np.flatnonzero(meets.all(axis=1))
     if not len(cells):
+        box_text = " x ".join(f"[{low[k]:g}, {high[k]:g}]" for k in axes)
         raise TableError(
             f"{agent} cannot be inside the channel's partition at step {step}: "
-            f"it stays within [{low[0]:g}, {high[0]:g}] x [{low[1]:g}, {high[1]:g}] m"
+            f"it stays within {box_text} m"
         )
     local = np.clip(spans.spans[cells], np.repeat(box[:, 0], 2), np.repeat(box[:, 1], 2))
     local -= np.repeat(box[:, 0], 2)
-    edges = [_drawn_in(spans.edges[k], *bounds[k], low[k], high[k]) for k in range(2)]
+    edges = tuple(_drawn_in(spans.edges[k], *bounds[k], low[k], high[k]) for k in axes)
     corners = [
-        np.stack([edges[0][local[:, side] + side], edges[1][local[:, 2 + side] + side]], axis=1)
+        np.stack([edges[k][local[:, 2 * k + side] + side] for k in axes], axis=1)
         for side in range(2)
     ]
-    first = (int(box[0, 0]), int(box[1, 0]))
-    return Reach(cells, local, (edges[0], edges[1]), first, corners[0], corners[1])
+    return Reach(cells, local, edges, tuple(int(b) for b in box[:, 0]), corners[0], corners[1])
 
 
 def _touched(edges: Floats, low: float, high: float) -> tuple[int, int]:

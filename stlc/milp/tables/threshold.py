@@ -69,7 +69,7 @@ def _column(ctx: Context, link: Link, upper: float) -> int:
 
 
 def index_boxes(ctx: Context, link: Link, allowed: Bools) -> Ints | None:
-    """Cover of the allowed cells in reach by index boxes (K, 4 an end), None when it is large.
+    """Cover of the allowed cells in reach by index boxes (K, 2 D an end), None when it is large.
 
     The whole table is covered once and the boxes are cut to the intervals in reach.
     """
@@ -100,16 +100,16 @@ def _cut(
 
 
 def _on_intervals(spans: Spans, allowed: Bools) -> Bools:
-    """The allowed set over interval indices (m_x, m_y) an end instead of cells.
+    """The allowed set over interval indices (m_x, m_y, ..) an end instead of cells.
 
     Intervals in no cell count as some cell: no agent can be there.
     """
-    shape = (len(spans.edges[0]) - 1, len(spans.edges[1]) - 1)
-    owner = np.zeros(shape, np.int64)
-    for cell, (x_first, x_last, y_first, y_last) in enumerate(spans.spans):
-        owner[x_first : x_last + 1, y_first : y_last + 1] = cell
+    owner = np.zeros(spans.shape, np.int64)
+    for cell, span in enumerate(spans.spans):
+        part = tuple(slice(a, b + 1) for a, b in zip(span[0::2], span[1::2], strict=True))
+        owner[part] = cell
     ends = allowed.ndim
-    return allowed[np.ix_(*[owner.ravel()] * ends)].reshape(shape * ends)
+    return allowed[np.ix_(*[owner.ravel()] * ends)].reshape(spans.shape * ends)
 
 
 def _by_boxes(ctx: Context, link: Link, column: int, boxes: Ints) -> None:

@@ -39,13 +39,13 @@ class Unary:
         """The same: exact."""
         return self.value(ctx, link, table)
 
-    def size(self, shapes: Sequence[tuple[int, int]]) -> Size:
+    def size(self, shapes: Sequence[tuple[int, ...]]) -> Size:
         """The formula above."""
-        table = Size(prod(x * y for x, y in shapes), sum(x + y for x, y in shapes), 0)
+        table = Size(prod(prod(s) for s in shapes), sum(sum(s) for s in shapes), 0)
         return sum((ordered_size(s) for s in shapes), table) if shapes else Size(0, 0, 0)
 
 
-def ordered_size(shape: tuple[int, int]) -> Size:
+def ordered_size(shape: tuple[int, ...]) -> Size:
     """Ordered axes of one end on a grid, tied to its position."""
     binaries = sum(m - 1 for m in shape)
-    return Size(binaries, 4 + sum(max(0, m - 2) for m in shape), binaries)
+    return Size(binaries, 2 * len(shape) + sum(max(0, m - 2) for m in shape), binaries)

@@ -66,7 +66,8 @@ class Costs:
         self.alone = [[None] * (self.horizon + 1) for _ in self.names]
         fine, owner = self.partition.common_grid()
         assert fine.shape is not None
-        self._owner, self._shape = np.maximum(owner, 0), fine.shape
+        nx, ny = fine.shape
+        self._owner, self._shape = np.maximum(owner, 0), (nx, ny)
         self._touching = Touching.of(self.partition.boxes)
 
     def add(

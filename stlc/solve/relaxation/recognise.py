@@ -44,6 +44,8 @@ def recognise(compiled: Compiled, *, borders: bool = False) -> Problem | None:
     if main is None:
         return None
     channel = mission.channels[main]
+    if channel.partition.axes > 2:
+        return None  # its states are those of two axes
     bodies = [body_of(compiled, mission.agents[n], efforts) for n in names]
     found = [b for b in bodies if b is not None]
     if len(found) < len(bodies) or not _inside(compiled, names, channel.partition):
@@ -76,6 +78,7 @@ def _with_costs(
     mission, partition = compiled.mission, channel.partition
     fine, owner = partition.common_grid()
     assert fine.edges is not None
+    x, y = fine.edges
     costs, rest = Costs([b.name for b in bodies], partition, mission.horizon, borders), 0.0
     for term in links:
         assert term.channel is not None
@@ -98,7 +101,7 @@ def _with_costs(
     if borders:
         owner = np.zeros(np.prod([2 * (len(e) - 1) - 1 for e in fine.edges]), np.int64)
     return Problem(
-        mission.horizon, fine.edges, tuple(bodies),
+        mission.horizon, (x, y), tuple(bodies),
         {k: tuple(v) for k, v in costs.pairs.items()}, tuple(tuple(a) for a in costs.alone), rest,
         owner.astype(np.int64), key, tuple(_apart(compiled, bodies)), bool(links), borders,
     )  # fmt: skip

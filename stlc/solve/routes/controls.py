@@ -6,8 +6,8 @@ import numpy as np
 
 from stlc.analysis.ranges import Ranges
 from stlc.arrays import Bools, Floats
-from stlc.milp.polygons import polygon_normals
-from stlc.mission import Agent, NormBound, PolygonKind
+from stlc.milp.polygons import norm_faces
+from stlc.mission import Agent, NormBound
 
 TOUCH = 1e-9
 _FINE = (96, 24)  # cells of the positions, and of any other state, over its range
@@ -46,9 +46,8 @@ def control_set(agent: Agent, parts: int) -> Floats:
 
 def within_norm(values: Floats, norm: NormBound) -> Bools:
     """Whether (N, n) are within a norm's polygon."""
-    inner = norm.kind is PolygonKind.INSCRIBED
-    limit = norm.limit * (np.cos(np.pi / norm.sides) if inner else 1.0)
-    faces = values[:, list(norm.indices)] @ polygon_normals(norm.sides).T
+    normals, limit = norm_faces(norm)
+    faces = values[:, list(norm.indices)] @ normals.T
     return np.asarray((faces <= limit + TOUCH).all(axis=1))
 
 

@@ -71,7 +71,10 @@ class Routes:
         cell = cell_sizes(agent, ranges, effort.parts)
         miss = effort.miss * self.spacing(name, effort.parts)
         judge = Judge(mission, self.compiled.channels, self.levels, others, miss)
-        low, high = ranges.position_lower.min(axis=0), ranges.position_upper.max(axis=0)
+        low, high = (
+            ranges.position_lower[:, :2].min(axis=0),
+            ranges.position_upper[:, :2].max(axis=0),
+        )
         places = Places.of(self.progress, judge, agent, low, high, mission.horizon)
         costs, reach = StepCosts(mission, agent, judge), reach_of(agent, ranges)
         price = effort.greed * costs.per_metre(float(reach[0, -1]) / mission.horizon)

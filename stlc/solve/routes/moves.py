@@ -53,7 +53,7 @@ class Judge:
     levels: Sequence[LevelOf]
     others: Trajectories = field(default_factory=lambda: Trajectories({}, {}))
     miss: float = 0.0  # by which predicates may be missed
-    _cells: dict[str, tuple[Floats, Floats, Ints]] = field(default_factory=dict)
+    _cells: dict[str, tuple[tuple[Floats, ...], Ints]] = field(default_factory=dict)
 
     def holds(self, node: Node, source: int, moves: Moves, done: dict[Node, Bools]) -> Bools:
         """Of each move (N,); `done` is a memo of these moves and this source."""
@@ -125,19 +125,20 @@ class Judge:
         return self.cells(self.mission.channels[channel], self._position(name, states))
 
     def _position(self, name: str, states: Floats) -> Floats:
-        position = self.mission.agents[name].dynamics.position
-        assert position is not None
-        return np.asarray(states @ position.T)
+        space = self.mission.agents[name].dynamics.space
+        assert space is not None
+        return np.asarray(states @ space.T)
 
     def cells(self, channel: Channel, points: Floats) -> Ints:
-        """The cell of a channel's partition at each point (N, 2), -1 outside all of them."""
+        """The cell of a channel's partition at each point (N, 3), -1 outside all of them."""
         if channel.name not in self._cells:
             grid, owner = channel.partition.common_grid()
             assert grid.edges is not None
-            self._cells[channel.name] = (*grid.edges, owner)
-        x, y, owner = self._cells[channel.name]
-        i, j = np.searchsorted(x, points[:, 0]) - 1, np.searchsorted(y, points[:, 1]) - 1
-        i, j = np.where(points[:, 0] == x[0], 0, i), np.where(points[:, 1] == y[0], 0, j)
-        out = (i < 0) | (j < 0) | (i >= len(x) - 1) | (j >= len(y) - 1)
-        k = np.where(out, 0, i * (len(y) - 1) + j)
-        return np.where(out, -1, owner[k])
+            self._cells[channel.name] = (grid.edges, owner)
+        every, owner = self._cells[channel.name]
+        number, out = np.zeros(len(points), np.int64), np.zeros(len(points), bool)
+        for edges, at in zip(every, points.T, strict=False):
+            i = np.where(at == edges[0], 0, np.searchsorted(edges, at) - 1)
+            out |= (i < 0) | (i >= len(edges) - 1)
+            number = number * (len(edges) - 1) + i
+        return np.where(out, -1, owner[np.where(out, 0, number)])

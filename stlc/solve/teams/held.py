@@ -176,10 +176,10 @@ class _Held:
         )
 
     def _touched(self, channel: str, name: str, step: int) -> Ints:
-        position = self.mission.agents[name].dynamics.position
-        assert position is not None, "whoever has a link is somewhere"
-        point = position @ self.runs[name][0][step]
+        space = self.mission.agents[name].dynamics.space
+        assert space is not None, "whoever has a link is somewhere"
         partition = self.mission.channels[channel].partition
+        point = (space @ self.runs[name][0][step])[: partition.axes]
         return np.asarray(partition.touching(point, point), dtype=np.int64)
 
     def _moving(self, names: Iterable[str]) -> frozenset[str]:

@@ -63,10 +63,11 @@ def _far(compiled: Compiled, runs: Mapping[str, Run]) -> Iterator[np.ndarray]:
 def _touched(compiled: Compiled, made: PairColumns, end: int, runs: Mapping[str, Run]) -> Bools:
     """(k,): the cells of one end that its run touches."""
     name = made.ends[end]
-    position = compiled.mission.agents[name].dynamics.position
-    assert position is not None, "whoever has a link is somewhere"
-    point = position @ runs[name][0][made.step]
-    cells = np.frombuffer(made.partition).reshape(-1, 2, 2)[made.cells[end]]
+    space = compiled.mission.agents[name].dynamics.space
+    assert space is not None, "whoever has a link is somewhere"
+    axes = compiled.mission.cell_axes
+    point = (space @ runs[name][0][made.step])[:axes]
+    cells = np.frombuffer(made.partition).reshape(-1, axes, 2)[made.cells[end]]
     near = (cells[:, :, 0] <= point + _TOUCH) & (cells[:, :, 1] >= point - _TOUCH)
     return np.asarray(near.all(axis=1))
 

@@ -1,0 +1,70 @@
+"""Heights: which agents have one, and the layers that a channel's cells must cover."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stlc.mission import Agent
+from stlc.sema import props
+from stlc.sema.channel_errors import BadChannel
+from stlc.sema.report import Mistake
+from stlc.sema.scope import Scope
+from stlc.sema.space_errors import UnboundedHeight
+
+if TYPE_CHECKING:
+    from stlc.radio.gp import ChannelModel
+
+Ends = tuple[float, float]
+
+THIN = 1e-3
+"""Half the height [m] of a layer for agents that all keep to one height: thin enough to matter to
+no link, far above what positions are judged to."""
+
+
+def flying(scope: Scope) -> tuple[Agent, ...]:
+    """Agents whose height is a signal."""
+    return tuple(a for a in scope.agents.values() if a.dynamics.altitude is not None)
+
+
+def height_range(scope: Scope, channel: str, stations: bool) -> Ends | None:
+    """Heights [m] between which all agents, and perhaps stations, are; None where no agent flies.
+
+    Raises Mistake at an agent whose height is not bounded.
+    """
+    agents = flying(scope)
+    if not agents:
+        return None
+    ends = [_bounds(agent, channel) for agent in agents]
+    ends += [(s.height, s.height) for s in scope.stations.values() if stations]
+    if len(agents) < sum(a.dynamics.position is not None for a in scope.agents.values()):
+        ends.append((0.0, 0.0))
+    low, high = min(e[0] for e in ends), max(e[1] for e in ends)
+    return (low, high) if high > low else (low - THIN, high + THIN)
+
+
+def _bounds(agent: Agent, channel: str) -> Ends:
+    """Between which heights an agent's bounds keep it."""
+    row = agent.dynamics.altitude
+    assert row is not None
+    k = int(np.argmax(row))
+    low, high = float(agent.state_lower[k]), float(agent.state_upper[k])
+    if np.isfinite([low, high]).all():
+        return low, high
+    state = agent.dynamics.states[k]
+    raise Mistake(UnboundedHeight(span=agent.span, name=agent.name, channel=channel, state=state))
+
+
+def check_samples(
+    block: props.Block, channel: str, model: ChannelModel | None, scope: Scope
+) -> None:
+    """Samples in the plane say nothing of links in space. Raises Mistake."""
+    agents = flying(scope)
+    if not agents or model is None or model.posterior is None:
+        return
+    if model.posterior.centres.shape[1] == 4:
+        problem = f"its samples have no heights, and `{agents[0].name}` flies"
+        hint = "give heights of both ends in columns, such as `tx_z` and `rx_z`"
+        span = block.by_key["samples"].span
+        raise Mistake(BadChannel(span=span, channel=channel, problem=problem, hint=hint))
