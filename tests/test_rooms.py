@@ -23,6 +23,7 @@ LEAVES = {
     "loader",
     "sense",
     "matrices",
+    "sphere",
 }
 """Rooms that everything may use; they use one another only."""
 

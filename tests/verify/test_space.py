@@ -145,4 +145,4 @@ def test_a_mission_in_the_plane_has_cells_of_the_plane():
     flat = "\n".join(x for x in text.splitlines() if "drone" not in x)
     found = loads(flat)
     assert found.channels["radio"].partition.boxes.shape == (25, 4)
-    assert not check(found).warnings
+    assert not check(found)

@@ -59,8 +59,8 @@ def _inside(compiled: Compiled, names: Sequence[str], partition: Partition) -> b
     if (partition.common_grid()[1] < 0).any():
         return False
     return all(
-        (compiled.ranges[n].position_lower >= low - 1e-6).all()
-        and (compiled.ranges[n].position_upper <= high + 1e-6).all()
+        (compiled.ranges[n].position_lower[:, :2] >= low - 1e-6).all()
+        and (compiled.ranges[n].position_upper[:, :2] <= high + 1e-6).all()
         for n in names
     )
 

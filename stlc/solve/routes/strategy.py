@@ -87,7 +87,7 @@ def _first_plan(work: Work) -> Work:
 def _bettered(work: Work, share: float) -> Work | Solution:
     """Better plans near the plan: wider while it is easy, narrower where it is not."""
     deadline = work.deadline.share(share, tuning.ROUTES.better_seconds)
-    size = max(float(np.ptp(r.position_upper)) for r in work.compiled.ranges.values())
+    size = max(float(np.ptp(r.position_upper[:, :2])) for r in work.compiled.ranges.values())
     radius = tuning.ROUTES.first_radius * size
     while not deadline.over() and not work.proven():
         assert work.x is not None
