@@ -38,7 +38,7 @@ def world(partition: str, level: float = -55.0) -> str:
 def test_cells_are_about_as_wide_as_shadowing_is_long(
     length: float | None, expected: tuple[int, int]
 ) -> None:
-    assert first_grid((0, 40), (0, 20), length).shape == expected
+    assert first_grid([(0, 40), (0, 20)], length).shape == expected
 
 
 @pytest.mark.parametrize("partition", ["", "; partition auto"])
