@@ -6,6 +6,7 @@
     routes          no plan yet: runs over states and progress, better plans near them
     lone            teams that minimise effort: what each agent does alone, as rows and runs
     neighbourhoods  teams with a plan: a few agents answer the others anew
+    parts           teams that minimise effort: bounds of a few agents without the others
     links           links between moving agents: dynamic programming bounds, branch and bound
     dive            maximal robustness: a run at the static bound
     milp            the compiled model, by the backend
@@ -25,6 +26,7 @@ from stlc.errors import UsageError
 from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
 from stlc.solve import tuning
+from stlc.solve.alone.parts import PARTS
 from stlc.solve.alone.strategy import LONE
 from stlc.solve.heuristics.dive import DIVE
 from stlc.solve.link_search import LINKS
@@ -123,6 +125,6 @@ def solve_twice_if_infeasible(model: Model, backend: Backend, options: SolveOpti
 BRIEF = Strategy("brief", _is_small, _try_briefly, heeds_caps=True)
 MILP = Strategy("milp", lambda work: True, _solve_whole, heeds_caps=True)
 STRATEGIES: tuple[Strategy, ...] = (
-    BRIEF, TURNS, GROUPS, ROUTES, LONE, NEIGHBOURHOODS, LINKS, DIVE, MILP,
+    BRIEF, TURNS, GROUPS, ROUTES, LONE, NEIGHBOURHOODS, PARTS, LINKS, DIVE, MILP,
 )  # fmt: skip
 """Every strategy, in the order in which they run."""

@@ -82,6 +82,16 @@ class Lone:
 
 
 @dataclass(frozen=True, slots=True)
+class Part:
+    """`alone/parts.py`: bounds of a few agents without the others."""
+
+    share: float = 0.6  # of the time that is left, for all groups
+    most: float = 300.0  # s
+    seconds: float = 15.0  # at most for each
+    gap: float = 0.01
+
+
+@dataclass(frozen=True, slots=True)
 class Route:
     """`routes/`: runs by beams over states and progress, plans near them."""
 
@@ -146,5 +156,12 @@ class Near:
     most: float = 300.0  # s
 
 
-BRIEF, PAIR, TEAM, DIVE, LONE = Brief(), Pair(), Team(), Dive(), Lone()
+BRIEF, PAIR, TEAM, DIVE, LONE, PARTS = (
+    Brief(),
+    Pair(),
+    Team(),
+    Dive(),
+    Lone(),
+    Part(),
+)
 ROUTES, TURNS, NEAR = Route(), Turns(), Near()

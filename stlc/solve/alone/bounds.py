@@ -81,10 +81,10 @@ def bounded(compiled: Compiled, lone: Sequence[LoneRun]) -> Compiled:
     rows = [(columns, bound) for columns, bound in rows if len(columns)]
     if not rows:
         return compiled
-    return replace(compiled, model=_with_rows(compiled.model, rows))
+    return replace(compiled, model=with_rows(compiled.model, rows, "effort of each agent alone"))
 
 
-def _with_rows(model: Model, rows: Sequence[tuple[Ints, float]]) -> Model:
+def with_rows(model: Model, rows: Sequence[tuple[Ints, float]], origin: str) -> Model:
     """The model with a row for each (columns, bound): their cost is at least the bound."""
     from scipy.sparse import csr_matrix, vstack
 
@@ -92,7 +92,7 @@ def _with_rows(model: Model, rows: Sequence[tuple[Ints, float]]) -> Model:
     ends = np.cumsum([0, *(len(columns) for columns, _ in rows)])
     extra = csr_matrix((model.c[columns], columns, ends), shape=(len(rows), model.columns))
     extra.sort_indices()
-    block = Block("alone", model.rows, (len(rows),), Origin("effort of each agent alone"))
+    block = Block("alone", model.rows, (len(rows),), Origin(origin))
     return replace(
         model,
         A=vstack([model.A, extra], format="csr"),

@@ -18,7 +18,7 @@ from stlc.solve.alone.strategy import LONE
 from stlc.solve.judge import Judge
 from stlc.solve.strategies import run_strategies, run_strategy
 from stlc.solve.strategy import Work
-from stlc.solve.teams.neighbourhoods import NEIGHBOURHOODS
+from stlc.solve.teams.improvement import NEIGHBOURHOODS
 from stlc.solve.teams.turns import TURNS
 
 HIGHS = backends.get("highs")

@@ -1,0 +1,171 @@
+"""What a few agents spend without the others bounds their effort: rows for groups of agents.
+
+    minimise effort of the agents S without the others  =  b_S
+    ->  sum_{a in S} effort_a >= b_S
+
+Groups are agents that are bound to each other by links, or whose lone runs do not get along; pairs
+come first, then triples and so on while there is time. Links are loosened (`loosened.py`) and what
+keeps agents apart that do not meet is left out: both ask for less, so rows cut off no plan. The
+bounds of overlapping groups are put together by the best weights,
+
+    max sum_S y_S b_S   with   sum_{S with a} y_S <= 1 for each agent a,  y >= 0
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+
+from stlc.backends.base import Status
+from stlc.errors import InfeasibleError, SolverError
+from stlc.ir.nodes import Const, Linear, Node
+from stlc.ir.rewrite import rewrite
+from stlc.milp.compile import Compiled, compile_mission
+from stlc.mission import Mission
+from stlc.solve import tuning
+from stlc.solve.alone.bounds import has_lone_runs, safe, with_rows
+from stlc.solve.alone.loosened import loosened
+from stlc.solve.alone.project import project
+from stlc.solve.deadline import Deadline
+from stlc.solve.strategy import Strategy, Work
+from stlc.solve.teams.couplings import Couplings
+
+Group = tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """Agents that spend at least `bound` together."""
+
+    agents: Group
+    bound: float
+
+
+def parted(compiled: Compiled, group: Group, meeting: Collection[frozenset[str]]) -> Mission:
+    """The mission of a group without the others, links loosened; only the pairs `meeting` are
+    kept apart."""
+    mission = project(compiled.mission, group, compiled.channels)
+
+    def left(node: Node) -> Node:
+        if not isinstance(node, Linear):
+            return node
+        owners = frozenset(signal.owner for signal, _ in node.terms)
+        kept = len(owners) < 2 or any(owners <= pair for pair in meeting)
+        return node if kept else Const(True)
+
+    requirements = mission.requirements
+    formulas = rewrite([r.formula for r in requirements], left)
+    kept = [replace(r, formula=f) for r, f in zip(requirements, formulas, strict=True)]
+    return loosened(replace(mission, requirements=tuple(kept)), compiled.channels)
+
+
+def bound_of(parts: Sequence[Part], agents: Sequence[str]) -> float:
+    """A lower bound of what all agents spend: the best weights, made to fit exactly."""
+    from scipy.optimize import linprog
+
+    holds = np.array([[agent in part.agents for part in parts] for agent in agents], float)
+    worth = np.array([part.bound for part in parts])
+    found = linprog(-worth, A_ub=holds, b_ub=np.ones(len(agents)), bounds=(0, None))
+    if found.x is None:
+        return -np.inf
+    weights = np.maximum(found.x, 0.0)
+    weights /= max(1.0, float((holds @ weights).max()))
+    return float(weights @ worth)
+
+
+@dataclass(slots=True, eq=False)
+class Parts:
+    """Groups of growing size and their bounds, from those of single agents on."""
+
+    work: Work
+    deadline: Deadline
+    couplings: Couplings
+    meeting: frozenset[frozenset[str]]
+    found: list[Part]
+
+    @staticmethod
+    def of(work: Work, deadline: Deadline) -> Parts:
+        """Those of a solve under way that knows its agents alone."""
+        couplings = Couplings.of(work.compiled)
+        runs = {one.agent: one.run for one in work.lone if one.run is not None}
+        alike = couplings.get_along
+        meeting = [p for p in combinations(runs, 2) if not alike(*p, runs)]
+        alone = [Part((one.agent,), safe(one.bound)) for one in work.lone]
+        return Parts(work, deadline, couplings, frozenset(map(frozenset, meeting)), alone)
+
+    def run(self) -> Work:
+        """The work with the rows of all groups that the time allows for, and their bound."""
+        agents = list(self.work.compiled.states)
+        for size in range(2, len(agents)):
+            groups = list(self._groups(agents, size))
+            for k, group in enumerate(groups):
+                if self.deadline.over() or self.work.proven():
+                    return self._with_rows()
+                self._solve(group, len(groups) - k)
+                least = self.work.compiled.model.offset + bound_of(self.found, agents)
+                self.work = self.work.with_bound(least)
+                self.work.report()
+        return self._with_rows()
+
+    def _groups(self, agents: Sequence[str], size: int) -> Iterator[Group]:
+        """Groups that hang together, by links or where lone runs meet."""
+        for group in combinations(agents, size):
+            reached, todo = {group[0]}, [group[0]]
+            while todo:
+                one = todo.pop()
+                near = {o for o in group if o not in reached and self._is_tied(one, o)}
+                reached |= near
+                todo += sorted(near)
+            if len(reached) == size:
+                yield group
+
+    def _is_tied(self, one: str, other: str) -> bool:
+        return other in self.couplings.bound[one] or frozenset((one, other)) in self.meeting
+
+    def _solve(self, group: Group, left: int) -> None:
+        """Bound a group, one of so many that share the time."""
+        moment = self.deadline.share(1.0 / left, tuning.PARTS.seconds)
+        asked = replace(moment.bind(self.work.options), start=None, on_progress=None)
+        try:
+            made = compile_mission(parted(self.work.compiled, group, self.meeting))
+            team = with_parts(made, self.found)
+            got = self.work.backend.solve(team.model, replace(asked, gap=tuning.PARTS.gap))
+        except (InfeasibleError, SolverError):
+            return  # it shows again, and is told, when the whole mission is solved
+        if got.bound is not None and got.status in _BOUNDED:
+            self.found.append(Part(group, safe(got.bound)))
+
+    def _with_rows(self) -> Work:
+        groups = [part for part in self.found if len(part.agents) > 1]
+        return replace(self.work, compiled=with_parts(self.work.compiled, groups))
+
+
+_BOUNDED = (Status.OPTIMAL, Status.FEASIBLE, Status.NO_SOLUTION)
+
+
+def with_parts(compiled: Compiled, parts: Sequence[Part]) -> Compiled:
+    """The compiled mission with a row for each part whose agents are all there."""
+    shares = compiled.layout.effort
+    rows = [
+        (np.concatenate([shares[agent] for agent in part.agents]), part.bound)
+        for part in parts
+        if shares.keys() >= set(part.agents)
+    ]
+    if not rows:
+        return compiled
+    return replace(compiled, model=with_rows(compiled.model, rows, "effort of a few agents"))
+
+
+def _bound_parts(work: Work) -> Work:
+    deadline = work.deadline.share(tuning.PARTS.share, tuning.PARTS.most)
+    return Parts.of(work, deadline).run()
+
+
+def _has_parts(work: Work) -> bool:
+    return has_lone_runs(work) and len(work.lone) > 2
+
+
+PARTS = Strategy("parts", _has_parts, _bound_parts)

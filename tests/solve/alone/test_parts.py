@@ -1,0 +1,120 @@
+"""Bounds of a few agents without the others, links as polygons."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stlc import backends
+from stlc.api import loads
+from stlc.backends.base import SolveOptions
+from stlc.ir.nodes import Linear, Link, walk
+from stlc.milp.compile import compile_mission
+from stlc.solve.alone.loosened import loosened
+from stlc.solve.alone.parts import PARTS, Part, bound_of
+from stlc.solve.alone.strategy import LONE
+from stlc.solve.strategies import run_strategy
+from stlc.solve.strategy import Work
+
+HIGHS = backends.get("highs")
+EXACT = SolveOptions(gap=1e-6)
+
+TALK = """
+horizon 4
+workspace box [0, 6] x [0, 6]
+dynamics cart = single_integrator
+agent r1 : cart {{ start (1, 1); control |u| <= 1.5 }}
+agent r2 : cart {{ start (1, 3); control |u| <= 1.5 }}
+agent r3 : cart {{ start (1, 5); control |u| <= 1.5 }}
+station base at (0, 3)
+region low = box [4, 6] x [0, 1.5]
+region high = box [4, 6] x [4.5, 6]
+require reach1: eventually r1 in low
+require reach3: eventually r3 in high
+require apart: forall (a, b) in pairs: always separation(a, b) >= 1 m swept
+channel radio {{ path_loss L0 = -40 dBm, n = 2; fading 0 dB^2; shadowing 0 dB^2, length 1 m
+  noise_floor -90 dBm; partition 3 x 3 }}
+require talk: {talk}
+minimize effort
+"""
+TALKS = (
+    "always[1, 4] (rssi(r2, r1) >= -53 dBm and rssi(r2, r3) >= -53 dBm)",
+    "always[0, 2] eventually[0, 2] (rssi(r1, r2) >= -52 dBm and rssi(r2, r3) >= -52 dBm)",
+    "eventually[2, 4] (rssi(r1, r3) >= -50 dBm) and always[3, 4] not (rssi(r2, base) <= -52 dBm)",
+)
+
+
+def looked_at(talk: str) -> tuple[Work, Work]:
+    """A solve that knows its agents alone, and then groups of them."""
+    lone = LONE.run(Work.of(compile_mission(loads(TALK.format(talk=talk))), HIGHS, EXACT))
+    assert isinstance(lone, Work)
+    assert PARTS.applies(lone)
+    parts = PARTS.run(lone)
+    assert isinstance(parts, Work)
+    return lone, parts
+
+
+@pytest.mark.parametrize("talk", TALKS)
+def test_no_plan_costs_less_than_the_bound_and_the_rows_cut_off_none(talk: str) -> None:
+    lone, parts = looked_at(talk)
+    optimum = run_strategy("milp", compile_mission(loads(TALK.format(talk=talk))), HIGHS, EXACT)
+    assert optimum.objective is not None
+    assert lone.bound <= parts.bound <= optimum.objective * (1 + 1e-6)
+    again = HIGHS.solve(parts.compiled.model, EXACT)
+    assert again.objective == pytest.approx(optimum.objective, rel=1e-5)
+
+
+def test_agents_that_must_hear_each_other_cost_more_than_alone() -> None:
+    lone, parts = looked_at(TALKS[0])
+    assert parts.bound > 1.05 * lone.bound
+    assert parts.compiled.model.rows > lone.compiled.model.rows
+
+
+def test_bounds_are_reported() -> None:
+    seen: list[float] = []
+    lone, _ = looked_at(TALKS[0])
+    told = replace(
+        lone.options, on_progress=lambda p: None if p.bound is None else seen.append(p.bound)
+    )
+    parts = PARTS.run(replace(lone, options=told))
+    assert isinstance(parts, Work)
+    assert seen[-1] == parts.bound
+
+
+def test_bounds_of_overlapping_groups_are_put_together_by_the_best_weights() -> None:
+    single = [Part((name,), 1.0) for name in "abc"]
+    pairs = [Part(("a", "b"), 3.0), Part(("b", "c"), 3.0), Part(("a", "c"), 3.0)]
+    assert bound_of(single, "abc") == pytest.approx(3.0)
+    assert bound_of(single + pairs[:1], "abc") == pytest.approx(4.0)
+    assert bound_of(single + pairs, "abc") == pytest.approx(4.5)
+
+
+@pytest.mark.parametrize("talk", TALKS)
+def test_wherever_a_link_is_good_the_polygon_holds(talk: str) -> None:
+    mission = loads(TALK.format(talk=talk))
+    compiled = compile_mission(mission)
+    loose = loosened(mission, compiled.channels)
+    assert not any(isinstance(n, Link) for r in loose.requirements for n in walk(r.formula))
+    link = next(n for r in mission.requirements for n in walk(r.formula) if isinstance(n, Link))
+    sides = [
+        n
+        for r in loose.requirements
+        for n in walk(r.formula)
+        if isinstance(n, Linear)
+        and {s.owner for s, _ in n.terms} == {link.sender, link.receiver}
+        and r.name == "talk"
+    ]
+    assert sides
+    partition, rng = mission.channels["radio"].partition, np.random.default_rng(0)
+    good = np.argwhere(compiled.channels.thresholds(link).low >= 0)
+    low, high = partition.low, partition.high
+    for i, j in good[rng.permutation(len(good))[:200]]:
+        places = {
+            link.sender: rng.uniform(low[i], high[i]),
+            link.receiver: rng.uniform(low[j], high[j]),
+        }
+        for side in sides:
+            value = sum(v * places[s.owner][s.index] for s, v in side.terms)
+            assert value + side.constant >= 0
