@@ -19,6 +19,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from stlc.diagnostics import Diagnostic
     from stlc.explain.conflict import Conflict, Verdict
+    from stlc.explain.edits import Change
+    from stlc.explain.tight import Explained
     from stlc.milp.compile import Compiled, CompileOptions
     from stlc.mission import Mission
     from stlc.plan import Plan
@@ -27,7 +29,10 @@ if TYPE_CHECKING:
     from stlc.solve.outcome import Outcome, SolveSettings
     from stlc.verify import Report
 
-__all__ = ["check", "compile", "explain", "load", "loads", "simulate", "solve", "verify"]
+__all__ = [
+    "changes", "check", "compile", "explain", "explain_plan", "load", "loads", "simulate", "solve",
+    "verify",
+]  # fmt: skip
 
 Params = Mapping[str, str | float]
 
@@ -107,7 +112,42 @@ def simulate(mission: Mission, plan: Plan, *, draws: int = 10_000, seed: int = 0
 def explain(
     mission: Mission, *, backend: str = "highs", time_limit: float = 60.0
 ) -> Conflict | Verdict:
-    """Which requirements cannot hold together; `time_limit` [s] holds for each solve."""
+    """What cannot hold together, and why; `time_limit` [s] is for all solves together."""
     from stlc.explain.conflict import explain as look
 
     return look(mission, backend=backend, time_limit=time_limit)
+
+
+def explain_plan(mission: Mission, plan: Plan) -> Explained:
+    """Which requirements of a plan are tight, what decides them, what their margins cost."""
+    from stlc.explain.tight import explain_plan as look
+
+    return look(mission, plan)
+
+
+def changes(
+    path: str | Path,
+    *,
+    params: Params | None = None,
+    allow_paths: Sequence[Path] = (),
+    time_limit: float = 60.0,
+    most: int = 5,
+) -> tuple[Change, ...]:
+    """The smallest changes of a mission file's numbers that give a plan, each shown by one.
+
+    Nothing for a mission that has a plan, or where none was found within `time_limit` [s].
+    """
+    from stlc.explain.conflict import Verdict
+    from stlc.explain.repair import Repairer
+    from stlc.solve.deadline import Deadline
+
+    def again(text: str) -> Mission:
+        folder = Path(path).resolve().parent
+        return loads(text, name=str(path), params=params, folder=folder, allow_paths=allow_paths)
+
+    deadline = Deadline.after(time_limit)
+    mission = load(path, params=params, allow_paths=allow_paths)
+    found = explain(mission, time_limit=time_limit)
+    if isinstance(found, Verdict):
+        return ()
+    return Repairer(again, "highs", deadline).changes(mission, found, most)

@@ -103,7 +103,7 @@ def _grid(number: Number, way: int, mission: Mission) -> tuple[float, int, float
     value, size = number.value, abs(number.value)
     if number.of is Of.DEADLINE:
         step = mission.step / _TIMES.get(number.unit, mission.step) if number.unit else 1.0
-        least = 2 * mission.horizon + 10 if way > 0 else round(value / step)
+        least = mission.horizon + 10 if way > 0 else round(value / step)
         return step, least, max(size, step)
     if number.of is Of.PROBABILITY:
         return 0.01, round((value if way < 0 else 1 - value) / 0.01) - 1, 0.5

@@ -29,6 +29,7 @@ from stlc.syntax import ast
 Load = Callable[[str], Mission]
 """A mission from a changed text, read as the file was; MissionError where the text is wrong."""
 
+_PATIENCE = 10.0  # s for one question: a change that is so hard to judge is none to offer
 _ROUNDS = 4  # conflicts that are ended one after the other
 _FIRST = (1.0, 1.3, 1.7, 2.5, 4.0, 16.0)  # parts of the longest way at which a knob is tried first
 
@@ -75,7 +76,7 @@ class Repairer:
             return None
         other = any(s.knob.of in (Of.PARTITION, Of.WORKSPACE) for s in made)
         tables = {} if other else self._tables
-        oracle = Oracle(changed, self.backend, self.deadline, self.grace, tables)
+        oracle = Oracle(changed, self.backend, self.deadline.within(_PATIENCE), self.grace, tables)
         asked = [r for r in changed.requirements if names is None or r.name in names]
         try:
             alone = not asked or names is None
@@ -204,7 +205,7 @@ class _Try:
         for part in _FIRST:
             count = int(self.knob.most / part)
             verdict = self._verdict(self.step(count)) if count else Verdict.INFEASIBLE
-            if verdict is not None:
+            if verdict in (Verdict.FEASIBLE, Verdict.INFEASIBLE):
                 return count if verdict is Verdict.FEASIBLE else None
         return None
 

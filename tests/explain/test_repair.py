@@ -9,6 +9,7 @@ import pytest
 from support.command import CONFLICT
 from support.command import inside as stlc
 
+from stlc.api import changes as api_changes
 from stlc.api import loads, solve
 from stlc.errors import InfeasibleError
 from stlc.explain.conflict import Conflict, explain
@@ -98,3 +99,10 @@ def test_a_copy_is_written_and_no_input(tmp_path: Path) -> None:
     beyond = stlc("explain", "c.stl", "--apply", "e.stl", "--pick", "99", folder=tmp_path)
     assert beyond.returncode == 4
     assert not (tmp_path / "e.stl").exists()
+
+
+def test_from_python(tmp_path: Path) -> None:
+    (tmp_path / "c.stl").write_text(LATE)
+    assert [c.text for c in api_changes(tmp_path / "c.stl")] == [c.text for c in changes(LATE)]
+    (tmp_path / "good.stl").write_text(changes(LATE)[0].text)
+    assert api_changes(tmp_path / "good.stl") == ()
