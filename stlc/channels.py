@@ -87,9 +87,10 @@ class ChannelTables:
         pair = (link.sender, link.receiver)
         what = (link.quantity, link.relation, link.threshold, link.probability)
         chosen = bound or channel.predicate_bound
-        key = ("link", link.channel, self._alike(channel, pair), *what, chosen, self._beyond)
+        beyond = link.tight or self._beyond
+        key = ("link", link.channel, self._alike(channel, pair), *what, chosen, beyond)
         if key not in self.memo:
-            self.memo[key] = self._thresholds(channel, link, pair, chosen)
+            self.memo[key] = self._thresholds(link, pair, chosen, beyond)
         found = self.memo[key]
         assert isinstance(found, Thresholds)
         if link.factor == 1.0:
@@ -123,8 +124,9 @@ class ChannelTables:
         values = cost_table(model, ends, name, budget, _BOUNDS[bound]).matrix()
         return _shaped(self.mission, values, pair)
 
-    def _thresholds(self, channel: Channel, link: Link, pair: Pair, bound: Bound) -> Thresholds:
+    def _thresholds(self, link: Link, pair: Pair, bound: Bound, beyond: bool) -> Thresholds:
         """Least and greatest excess of a predicate over its threshold, for each pair of cells."""
+        channel = self.mission.channels[link.channel]
         if link.quantity is Quantity.COST:
             low, high = self._cost_range(channel, pair, bound)
             if link.relation is Relation.AT_LEAST:
@@ -133,7 +135,7 @@ class ChannelTables:
         model, budget = needed(channel)
         ends = link_ends(self.mission, channel, pair)
         table = threshold_table(
-            model, ends, predicate(link, budget), budget, _BOUNDS[bound], self._beyond
+            model, ends, predicate(link, budget), budget, _BOUNDS[bound], beyond
         )
         sides = (table.low.matrix(), table.high.matrix())
         return Thresholds(*(_shaped(self.mission, side, pair) for side in sides))

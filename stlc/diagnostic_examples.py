@@ -215,6 +215,10 @@ EXAMPLES: Final[dict[str, tuple[str, str]]] = {
         "require a: always[0, 5] rssi(r1, r2) >= rssi(r1, base)",
         "require a: always[0, 5] (rssi(r1, r2) >= -60 dBm and rssi(r1, base) <= -60 dBm)",
     ),
+    "E0609": (
+        "require a: always[0, 5] connected(agents, r1.x >= 3 m)",
+        "require a: always[0, 5] connected(agents, radio, rssi >= -70 dBm)",
+    ),
     "E0701": ("minimize r1.x", "minimize effort(r1)"),
     "E0702": (
         "require a: always[0, 5] (r1 in dock and rssi(r1, r2) >= -60 dBm)\nmaximize robustness",
@@ -223,6 +227,10 @@ EXAMPLES: Final[dict[str, tuple[str, str]]] = {
     ),
     "E0703": ("minimize -1 * effort", "minimize effort"),
     "E0704": ("horizon 5\nminimize effort[0, 9]", "horizon 9\nminimize effort[0, 9]"),
+    "E0710": (
+        "require net: always route(r1, base, link_cost <= 3)\nmaximize robustness(net)",
+        "require net margin 0.5: always route(r1, base, link_cost <= 3)\nminimize effort",
+    ),
     "E0705": (
         "require a: eventually[0, 5] r1.x >= 30 m",
         "require a: eventually[0, 5] r1.x >= 3 m",

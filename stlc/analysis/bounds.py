@@ -2,6 +2,7 @@
 
     predicate   interval of its value over the ranges, divided by the scale of its unit
     and         [min of the lower ends, min of the upper ends]
+    count, network    by their value where each argument has its lower, or its upper end
     or          [max of the lower ends, max of the upper ends]
 
 and one sharper upper end: predicates mu and nu of one conjunction with opposite normals,
@@ -14,7 +15,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 
+from stlc.analysis import networks
 from stlc.analysis.ranges import Ranges
+from stlc.ir.networks import Count, Network
 from stlc.ir.nodes import And, Const, Linear, Link, Node, Not, Or, Quantity, Role
 from stlc.ir.rewrite import postorder
 
@@ -81,6 +84,9 @@ def _bounds(
                 max((e[0] for e in ends), default=-math.inf),
                 max((e[1] for e in ends), default=-math.inf),
             )
+        case Count(args=args) | Network(args=args):
+            low, high = (networks.value(node, [found[a][k] for a in args]) for k in (0, 1))
+            return low, high
         case Link() | Not():
             low, high = links(node)
             scale = scales.get(unit_of(node), 1.0)

@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+from stlc.ir.networks import Count, Network
 from stlc.ir.nodes import (
     Always,
     And,
@@ -51,6 +52,8 @@ def _split(formula: Node) -> tuple[Node, ...]:
 def is_atom(node: Node) -> bool:
     """Whether a node is one condition of the file, whatever it is made of."""
     if node.member or node.swept or node.norms or not node.children:
+        return True
+    if isinstance(node, Count | Network):
         return True
     return isinstance(node, And | Or) and all(c.span == node.span for c in node.children)
 

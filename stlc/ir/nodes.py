@@ -105,6 +105,7 @@ class Link(Node):
 
     With `probability` p it is the chance form P(quantity relation threshold) >= p for one packet.
     `factor` > 0 is what the quantity is multiplied by in the file: it scales the robustness.
+    `tight`: its robustness matters beyond the threshold too.
     """
 
     channel: str
@@ -116,6 +117,7 @@ class Link(Node):
     probability: float | None = None
     shift: int = 0
     factor: float = 1.0
+    tight: bool = False
 
     @property
     def key(self) -> tuple[object, ...]:
@@ -123,6 +125,7 @@ class Link(Node):
         return (
             self.channel, self.quantity, self.sender, self.receiver,
             self.relation, self.threshold, self.probability, self.shift, self.factor,
+            self.tight,
         )  # fmt: skip
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from stlc.errors import UsageError
+from stlc.ir.networks import Count, Network
 from stlc.ir.nodes import (
     Always,
     And,
@@ -49,6 +50,7 @@ _FIXED: dict[str, tuple[int, Callable[..., Node]]] = {
     "until": (2, Until),
     "release": (2, Release),
 }
+_NETWORKS = ("joined", "parted", "relayed", "unrelayed")
 _TEMPORAL = frozenset({"always", "eventually", "until", "release"})
 
 
@@ -181,6 +183,10 @@ class _Reader:
             return self.linear()
         if token == "link":
             return self.link()
+        if token == "count":
+            return self.count()
+        if token in _NETWORKS:
+            return self.network(token)
         if token in _NARY:
             return _NARY[token](tuple(self.arguments()))
         if token in _FIXED:
@@ -196,6 +202,34 @@ class _Reader:
                 self.take(",")
             found.append(self.node())
         return found
+
+    def count(self) -> Count:
+        """`[least](NODE, ...)`."""
+        self.take("[")
+        least = int(self.number())
+        self.take("]")
+        return Count(tuple(self.arguments()), least)
+
+    def network(self, word: str) -> Network:
+        """`[hops : vertex, ...](end end NODE, ...)`; hops may be left out."""
+        self.take("[")
+        hops = int(self.number()) if self.peek()[0].isdigit() else None
+        if hops is not None:
+            self.take(":")
+        vertices = [self.name()]
+        while self.skip(","):
+            vertices.append(self.name())
+        self.take("]")
+        self.take("(")
+        ends: list[tuple[int, int]] = []
+        args: list[Node] = []
+        while not self.skip(")"):
+            if args:
+                self.take(",")
+            ends.append((int(self.number()), int(self.number())))
+            args.append(self.node())
+        composed, cut = (bool(k) for k in divmod(_NETWORKS.index(word), 2))
+        return Network(tuple(args), tuple(ends), tuple(vertices), hops, cut, composed)
 
     def fixed(self, word: str) -> Node:
         """An operator of so many arguments, with its window if it is temporal."""
@@ -260,7 +294,6 @@ class _Reader:
         probability = self.number() if self.skip("p") else None
         shift = self.shift()
         factor = self.number() if self.skip("times") else 1.0
+        end = (relation, threshold, probability, shift, factor, self.skip("tight"))
         self.take(")")
-        return Link(
-            channel, quantity, sender, receiver, relation, threshold, probability, shift, factor
-        )
+        return Link(channel, quantity, sender, receiver, *end)

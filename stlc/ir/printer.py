@@ -14,6 +14,7 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 
+from stlc.ir.networks import Count, Network
 from stlc.ir.nodes import (
     Always,
     And,
@@ -95,10 +96,23 @@ def _text(node: Node, texts: dict[Node, str]) -> str:
             return _linear(node)
         case Link():
             return _link(node)
+    if isinstance(node, Count | Network):
+        return _network(node, texts)
     head = _WORDS[type(node)]  # type names are closed: every other node has children
     if isinstance(node, Always | Eventually | Until | Release):
         head += f"[{node.start},{'inf' if node.end is None else node.end}]"
     return f"{head}({', '.join(texts[c] for c in node.children)})"
+
+
+def _network(node: Count | Network, texts: dict[Node, str]) -> str:
+    """`count[2](f, g, h)`; `joined[3 : a, b](0 1 f, ..)`: hops, vertices, edges with their ends."""
+    if isinstance(node, Count):
+        return f"count[{node.least}]({', '.join(texts[c] for c in node.args)})"
+    word = ("relayed" if node.composed else "joined", "unrelayed" if node.composed else "parted")
+    hops = "" if node.hops is None else f"{node.hops} : "
+    edges = (f"{a} {b} {texts[c]}" for (a, b), c in zip(node.ends, node.args, strict=True))
+    names = ", ".join(map(_name, node.vertices))
+    return f"{word[node.cut]}[{hops}{names}]({', '.join(edges)})"
 
 
 def _linear(node: Linear) -> str:
@@ -115,11 +129,12 @@ def _signal(signal: Signal) -> str:
 def _link(node: Link) -> str:
     chance = "" if node.probability is None else f" p {_number(node.probability)}"
     shift = f" @{node.shift}" if node.shift else ""
+    tight = " tight" if node.tight else ""
     factor = "" if node.factor == 1.0 else f" times {_number(node.factor)}"
     ends = f"{_name(node.sender)}, {_name(node.receiver)}"
     return (
         f"link({_name(node.channel)} {node.quantity.value}({ends})"
-        f" {node.relation.value} {_number(node.threshold)}{chance}{shift}{factor})"
+        f" {node.relation.value} {_number(node.threshold)}{chance}{shift}{factor}{tight})"
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 
+from stlc.ir.networks import Count, Network
 from stlc.ir.nodes import (
     Always,
     And,
@@ -42,7 +43,7 @@ def with_children(node: Node, children: Sequence[Node]) -> Node:
     if len(old) == len(children) and all(a is b for a, b in zip(old, children, strict=True)):
         return node
     match node:
-        case And() | Or():
+        case And() | Or() | Count() | Network():
             return replace(node, args=tuple(children))
         case Timed():
             return replace(node, cases=tuple(children))

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from enum import IntEnum
 
+from stlc.ir.networks import Count, Network
 from stlc.ir.nodes import (
     Always,
     Eventually,
@@ -70,8 +71,22 @@ def _fault(node: Node, horizon: int, stage: Stage) -> str:
         case Not(arg=arg):
             bare = isinstance(arg, Link) and arg.probability is not None
             return "" if bare or stage < Stage.NNF else "negation of a formula after nnf"
+        case Count(least=least):
+            return "" if 1 <= least <= len(node.args) else f"a count of {least} of {len(node.args)}"
+        case Network():
+            return _network_fault(node)
         case Implies() | Iff():
             return "" if stage < Stage.NNF else f"{type(node).__name__} after nnf"
+    return ""
+
+
+def _network_fault(node: Network) -> str:
+    if len(node.ends) != len(node.args):
+        return "a network with ends for other edges than it has"
+    if any(not 0 <= a < b < len(node.vertices) for a, b in node.ends):
+        return "an edge between vertices that a network doesn't have"
+    if node.composed and not all(isinstance(a, Link) and a.tight for a in node.args):
+        return "a composed network over anything but tight links"
     return ""
 
 

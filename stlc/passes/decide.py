@@ -23,6 +23,7 @@ from stlc.analysis.bounds import Interval, static_bounds, unit_of
 from stlc.analysis.goals import Level, level_of
 from stlc.analysis.reach import reach
 from stlc.analysis.unreachable import refuse
+from stlc.ir.networks import Count, Network
 from stlc.ir.nodes import And, Const, Linear, Link, Node, Not, Or
 from stlc.ir.requirement import Requirement
 from stlc.ir.rewrite import postorder, with_children
@@ -96,12 +97,17 @@ def _decided(
         elif isinstance(node, Linear | Link | Not):
             free = low >= level.ceiling(unit_of(node))
             built = Const(True, span=node.span) if free else node
-        elif isinstance(node, And | Or):
+        elif isinstance(node, And | Or | Count) or _is_graph(node):
             built = fold(with_children(node, [done[c] for c in node.children]))
         else:
             built = node
         done[node] = known.setdefault(built, built)
     return done[requirement.formula]
+
+
+def _is_graph(node: Node) -> bool:
+    """Whether only truth and level of a network's edges matter, not how good each link is."""
+    return isinstance(node, Network) and not node.composed
 
 
 PASS = Pass("decide", run, after=("unroll",), stage=Stage.STEPS, preserves="optima")

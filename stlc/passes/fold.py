@@ -12,6 +12,7 @@ Needs: nnf. Guarantees: no constant below any other node than `timed`; robustnes
 
 from __future__ import annotations
 
+from stlc.ir.networks import Count, counted
 from stlc.ir.nodes import (
     Always,
     And,
@@ -39,6 +40,8 @@ def fold(node: Node) -> Node:
             return _lattice(node, args, neutral=True)
         case Or(args=args):
             return _lattice(node, args, neutral=False)
+        case Count():
+            return counted(node)
         case Always(arg=Const() as arg) | Eventually(arg=Const() as arg):
             return arg
         case Until(left=left, right=right, start=a, end=b):

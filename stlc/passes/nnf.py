@@ -3,6 +3,8 @@
     not (f and g)        = not f or not g            not always f     = eventually not f
     f implies g          = not f or g                not (f until g)  = not f release not g
     f iff g              = (not f or g) and (not g or f)
+    not (k of f, g, ..)  = all but k - 1 of not f, ..
+    not network of f, .. = cut of not f, ..          (see `ir/networks.py`)
     not (mu >= 0)        = -mu >= 0                  not (q >= c)     = q <= c
 
 Needs: nothing. Guarantees: negation only at chance links, no implies, no iff; the robustness is
@@ -13,6 +15,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from stlc.ir.networks import Count, Network, negated_count, negated_network
 from stlc.ir.nodes import (
     Always,
     And,
@@ -87,6 +90,10 @@ def _build(node: Node, positive: bool, done: dict[_Key, Node]) -> Node:
         case And() | Or():
             kind = And if isinstance(node, And) is positive else Or
             return kind(parts, span=span)
+        case Count():
+            return replace(node, args=parts) if positive else negated_count(node, parts)
+        case Network():
+            return replace(node, args=parts) if positive else negated_network(node, parts)
         case Implies():
             return (Or if positive else And)(parts, span=span)
         case Always(start=a, end=b) | Eventually(start=a, end=b):

@@ -22,8 +22,8 @@ robustness),
 
 with U(last) = p_last and q_last at the last step that any window reaches. Release is the dual.
 
-Needs: nnf, horizon. Guarantees: only and, or, constants, predicates, negated chance links; equal
-nodes are shared; robustness unchanged.
+Needs: nnf, horizon. Guarantees: only and, or, counts, networks, constants,
+predicates, negated chance links; equal nodes are shared; robustness unchanged.
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from stlc.analysis.sizes import needed_steps
+from stlc.ir.networks import Count, Network
 from stlc.ir.nodes import (
     Always,
     And,
@@ -46,7 +47,7 @@ from stlc.ir.nodes import (
     Timed,
     Until,
 )
-from stlc.ir.rewrite import postorder
+from stlc.ir.rewrite import postorder, with_children
 from stlc.ir.verify import Stage
 from stlc.passes.base import Pass, Program
 
@@ -111,6 +112,8 @@ class _Unroller:
             case And() | Or():
                 parts = tuple(self.done[c, step] for c in node.children)
                 return self.share(type(node)(parts, span=node.span))
+            case Count(args=args) | Network(args=args):
+                return self.share(with_children(node, [self.done[c, step] for c in args]))
             case Always(arg=arg) | Eventually(arg=arg):
                 kind = And if isinstance(node, Always) else Or
                 return self.window(kind, node, arg, step + node.start, step + _end(node), uses)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from stlc.diagnostics import Diagnostic
 from stlc.mission import Array
-from stlc.sema import clock, link_calls, scalars
+from stlc.sema import clock, link_calls, networks, scalars
 from stlc.sema.members import flies, point
 from stlc.sema.name_errors import Nonlinear, UnknownName, WrongArity, WrongKind
 from stlc.sema.report import Mistake, suggested_fix, suggestion, with_note
@@ -55,6 +55,8 @@ def call(expr: ast.Call, env: Env, scope: Scope) -> Value:
         return expand(target.let, expr, env, scope)
     if name == "P":
         return link_calls.chance(expr, env, scope)
+    if name in networks.CALLS:
+        return Truth(networks.CALLS[name](expr, env, scope))
     builtin = BUILTINS.get(name)
     if builtin is None:
         raise Mistake(_no_function(expr, scope))
@@ -62,12 +64,19 @@ def call(expr: ast.Call, env: Env, scope: Scope) -> Value:
 
 
 def _no_function(expr: ast.Call, scope: Scope) -> Diagnostic:
+    """The mistake of a call of what is no function, with what it may have meant."""
     name, span = expr.function.text, expr.function.span
     if name in PAST:
         return past_operator(span)
     if name in scope.declarations:
         return WrongKind(span=span, expected="a function", found=f"`{name}`, which takes nothing")
-    known = [*BUILTINS, "P", *(n for n, d in scope.declarations.items() if isinstance(d, ast.Let))]
+    known = [
+        *BUILTINS,
+        *networks.CALLS,
+        "P",
+        "count",
+        *(n for n, d in scope.declarations.items() if isinstance(d, ast.Let)),
+    ]
     hint = suggestion(name, known, "functions are abs, min, max, separation, distance, rssi, ..")
     return UnknownName(span=span, name=name, hint=hint, fix=suggested_fix(span, name, known))
 

@@ -89,6 +89,24 @@ class BadLink(Diagnostic):
     help: ClassVar[str] = "{hint}"
     problem: str
     hint: str = "compare each link quality with a constant and join them by `and`, `or`"
+    itself: bool = False  # a radio with itself: a count leaves that one out
+
+
+class BadNetwork(Diagnostic):
+    """A condition on a network is not one that can be planned.
+
+    `connected(radios, channel, condition)` joins the radios, `route(a, b, [relays], channel,
+    hops <= 3, condition)` leads from one to another; the condition speaks of one link, with bare
+    `rssi`, `snr`, `ber`, `prr` or `link_cost`, and comes last. Along a route `prr`, `ber` and
+    additive costs are end-to-end values, anything else has to hold on every hop.
+    """
+
+    code: ClassVar[str] = "E0609"
+    title: ClassVar[str] = "{problem}"
+    label: ClassVar[str] = "here"
+    help: ClassVar[str] = "{hint}"
+    problem: str
+    hint: str
 
 
 class BadData(Diagnostic):

@@ -12,7 +12,7 @@ from stlc.sema.quantifiers import domain_items, instances
 from stlc.sema.report import Mistake, nearest, with_note
 from stlc.sema.scope import Scope, wrong_unit
 from stlc.sema.unit_errors import UnknownUnit
-from stlc.sema.values import Env, Function, Items, Scalar, Text, Truth, Value
+from stlc.sema.values import Env, Function, Items, Scalar, Tally, Text, Truth, Value
 from stlc.syntax import ast
 
 
@@ -21,6 +21,8 @@ def evaluate(expr: ast.Expr, env: Env, scope: Scope) -> Value:
     match expr:
         case ast.Name():
             return name(expr, env, scope)
+        case ast.Quantifier(kind="count"):
+            return Tally(expr, env)
         case ast.Quantifier(kind="sum"):
             return sum_over(expr, env, scope)
         case ast.Call():

@@ -22,7 +22,7 @@ from stlc.ir.nodes import (
     Until,
 )
 from stlc.record import changed
-from stlc.sema import clock, link_calls
+from stlc.sema import clock, link_calls, networks
 from stlc.sema.compare import Operator, at_least_zero, compare, is_condition, is_integer
 from stlc.sema.membership import membership
 from stlc.sema.name_errors import NotNegatable, WrongKind
@@ -33,7 +33,7 @@ from stlc.sema.scope import Scope, as_scalar
 from stlc.sema.space_errors import NotInSpace
 from stlc.sema.swept import separation_claim, sweep
 from stlc.sema.unit_errors import LevelAgainstRatio
-from stlc.sema.values import Chance, Env, Items, Place, Radio, Scalar, Separation, Value
+from stlc.sema.values import Chance, Env, Items, Place, Radio, Scalar, Separation, Tally, Value
 from stlc.sema.warnings import EmptyInequality
 from stlc.source import Span
 from stlc.syntax import ast
@@ -168,6 +168,8 @@ def _compare(
     """One comparison; places compare by identity, numbers once min and max are unfolded."""
     if isinstance(left, Chance) or isinstance(right, Chance):
         return link_calls.compare_chance(left, operator, right, spans)
+    if isinstance(left, Tally) or isinstance(right, Tally):
+        return networks.compare_count(left, operator, right, spans, scope)
     if isinstance(left, Separation) and isinstance(right, Items):
         return per_axis(left, operator, right, span, env)
     if isinstance(left, Radio | Place) and isinstance(right, Radio | Place):

@@ -83,7 +83,12 @@ def _ends(expr: ast.Call, values: tuple[Value, ...]) -> tuple[str, str]:
     a, b = things
     if a.name == b.name:
         raise Mistake(
-            BadLink(span=expr.span, problem=f"`{a.name}` has no link with itself", hint=_TWO)
+            BadLink(
+                span=expr.span,
+                problem=f"`{a.name}` has no link with itself",
+                hint=_TWO,
+                itself=True,
+            )
         )
     if isinstance(a, Station) and isinstance(b, Station):
         problem = "a link between two stations never changes"

@@ -7,11 +7,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from stlc.ir.networks import Network
+from stlc.ir.nodes import walk
 from stlc.ir.requirement import Requirement
 from stlc.mission import ObjectiveTerm, TermKind
 from stlc.sema.costs import cost_term, is_cost
 from stlc.sema.name_errors import NotHere
-from stlc.sema.objective_errors import BadObjective, MixedRobustness, NegativeWeight, NoTime
+from stlc.sema.objective_errors import (
+    BadObjective,
+    EndToEndRobustness,
+    MixedRobustness,
+    NegativeWeight,
+    NoTime,
+)
 from stlc.sema.quantifiers import assignments, bound_with
 from stlc.sema.report import Mistake, Report
 from stlc.sema.robust_units import units_in
@@ -142,6 +150,10 @@ def _check_units(
         hint = "add a `require`, or leave robustness out"
         problem = "there is no requirement whose robustness could be maximised"
         report.add(NotHere(span=term.span, problem=problem, hint=hint))
+    for requirement in chosen:
+        if any(isinstance(n, Network) and n.composed for n in walk(requirement.formula)):
+            report.add(EndToEndRobustness(span=term.span, name=requirement.name))
+            return
     found = sorted(units_in([r.formula for r in chosen]))
     lacking = [u for u in found if u not in term.scales]
     if len(found) > 1 and lacking:

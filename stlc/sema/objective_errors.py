@@ -96,3 +96,20 @@ class NeverTrue(Diagnostic):
     name: str
     best: float
     margin: float
+
+
+class EndToEndRobustness(Diagnostic):
+    """Robustness is maximised over a route with an end-to-end quality.
+
+    The product of reception ratios along a path, or a sum of costs, is planned against a threshold;
+    how far beyond it goes is no linear function of the model. Routes by `rssi` or `snr`, which hold
+    on every hop, can be maximised, and so can any other requirement by itself.
+    """
+
+    code: ClassVar[str] = "E0710"
+    title: ClassVar[str] = "the end-to-end quality of a route can't be maximised"
+    label: ClassVar[str] = "over requirement `{name}`"
+    help: ClassVar[str] = (
+        "give that requirement a `margin` and maximise another, or route by `rssi` or `snr`"
+    )
+    name: str

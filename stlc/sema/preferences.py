@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from stlc.ir.nodes import Always, And, Eventually, Node, Until
+from stlc.ir.networks import Network
+from stlc.ir.nodes import Always, And, Eventually, Node, Until, walk
 from stlc.ir.requirement import Requirement
 from stlc.mission import ObjectiveTerm, TermKind
 from stlc.preferences import Measure, Preference
@@ -51,6 +52,10 @@ def _unit(statement: ast.Prefer, measure: Measure, formula: Node) -> str:
     """Of the violation. Raises Mistake where robustness has several."""
     if measure is not Measure.ROBUSTNESS:
         return ""
+    if any(isinstance(n, Network) and n.composed for n in walk(formula)):
+        problem = "what an end-to-end quality lacks can't be measured"
+        hint = "measure it with `share` or `late`, or route by `rssi` or `snr`"
+        raise Mistake(BadPreference(span=statement.span, problem=problem, hint=hint))
     units = sorted(units_in([formula]))
     if len(units) > 1:
         mixed = " and ".join(unit or "pure numbers" for unit in units)

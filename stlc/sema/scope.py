@@ -26,6 +26,7 @@ from stlc.sema.values import (
     Radio,
     Scalar,
     Separation,
+    Tally,
     Text,
     Truth,
     Value,
@@ -167,6 +168,8 @@ class Scope:
         hint = "compare it with something, for example `>= 0.5`"
         if isinstance(value, Chance):
             hint = "compare the probability: `P(..) >= 0.95`"
+        if isinstance(value, Tally):
+            hint = "compare the count: `count(..) >= 2`"
         if isinstance(value, Place | Radio):
             hint = "say where the agent should be: `r1 in goal`, `r1 outside pillar`"
         raise Mistake(

@@ -9,6 +9,7 @@ from typing import assert_never
 
 import numpy as np
 
+from stlc.ir.networks import Count, Network
 from stlc.ir.nodes import (
     Always,
     And,
@@ -76,6 +77,8 @@ class StaticRange:
                 return _least([self.of(a, first) for a in args])
             case Or(args=args):
                 return _most([self.of(a, first) for a in args])
+            case Count(args=args) | Network(args=args):
+                return _hull([self.of(a, first) for a in args])
             case Implies(left=left, right=right):
                 return self._implies(left, right, first)
             case Iff(left=left, right=right):

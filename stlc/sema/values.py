@@ -100,6 +100,14 @@ class Chance:
 
 
 @dataclass(frozen=True, slots=True)
+class Tally:
+    """`count(b in agents: ..)`, before it is compared with a number."""
+
+    expr: ast.Quantifier
+    env: Env
+
+
+@dataclass(frozen=True, slots=True)
 class Place:
     """A region or an obstacle."""
 
@@ -181,6 +189,7 @@ Value = (
     | Separation
     | Truth
     | Chance
+    | Tally
     | Place
     | Radio
     | Items
@@ -211,6 +220,8 @@ def describe(value: Value) -> str:
             return "a formula"
         case Chance():
             return "a probability"
+        case Tally():
+            return "a count"
         case Place(shape=shape):
             return f"the {type(shape).__name__.lower()} `{shape.name}`"
         case Radio(thing=thing):

@@ -8,6 +8,7 @@ from typing import Any
 from stlc.diagnostics import Diagnostic
 from stlc.source import Source, Span
 from stlc.syntax import ast
+from stlc.syntax.errors import SyntaxMistake
 from stlc.syntax.mixes import Mixes
 from stlc.syntax.past import PAST_WORDS, past_operator
 from stlc.syntax.tokens import Token, split_number
@@ -66,6 +67,22 @@ class ExprBuilder:
         if function.text in PAST_WORDS:
             self.mistakes.append(past_operator(function.span))
         return ast.Call(self.span(start, end), function, args)
+
+    def count_over(self, start: int, end: int, c: Children) -> ast.Expr:
+        word, members, body = c
+        span = self.span(start, end)
+        names = _variables(members)
+        if word.text != "count" or names is None:
+            self.mistakes.append(
+                SyntaxMistake(
+                    span=members.span,
+                    what="only `count` takes members and, behind a colon, a formula",
+                    place="expected `count(NAME in DOMAIN: ..)`",
+                    advice="for example `count(b in agents: rssi(a, b) >= -70 dBm) >= 2`",
+                )
+            )
+            return ast.Call(span, self.ident(word), (members, body))
+        return ast.Quantifier(span, "count", names, members.place, body)
 
     def group(self, start: int, end: int, c: Children) -> ast.Expr:
         self.mixes.in_parentheses(c[0])
@@ -206,6 +223,16 @@ class ExprBuilder:
 
     def sum_over(self, start: int, end: int, c: Children) -> ast.Expr:
         return self._quantifier("sum", start, end, c)
+
+
+def _variables(members: ast.Expr) -> tuple[ast.Ident, ...] | None:
+    """The names before `in`, None where these aren't names and a domain."""
+    if not isinstance(members, ast.Membership) or members.relation != "in" or members.swept:
+        return None
+    subject = members.subject
+    names = subject.items if isinstance(subject, ast.Tuple) else (subject,)
+    found = [ast.Ident(n.text, n.span) for n in names if isinstance(n, ast.Name)]
+    return tuple(found) if len(found) == len(names) else None
 
 
 def _open_end(end: ast.Expr) -> ast.Expr | None:

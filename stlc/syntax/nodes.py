@@ -174,10 +174,11 @@ class TemporalPair(Expr):
 class Quantifier(Expr):
     """`forall a in agents: f`, `forall (a, b) in pairs: f`, `exists r in [g1, g2]: f`.
 
-    As a sum over the same domains, `sum a in agents: x`, it is arithmetic.
+    As a sum over the same domains, `sum a in agents: x`, it is arithmetic, and so is the number of
+    instances that hold, `count(a in agents: f)`.
     """
 
-    kind: Literal["forall", "exists", "sum"]
+    kind: Literal["forall", "exists", "sum", "count"]
     variables: tuple[Ident, ...]
     domain: Expr
     body: Expr

@@ -25,6 +25,8 @@ def level(node: ast.Expr) -> int:
             return _LOGICAL[node.operator]
         case ast.TemporalPair():
             return _UNTIL
+        case ast.Quantifier(kind="count"):
+            return _POSTFIX
         case ast.Not() | ast.Temporal() | ast.Quantifier():
             return _UNARY
         case ast.Membership() | ast.Swept():
@@ -183,8 +185,8 @@ def _beside(operator: str, arg: str) -> str:
 def open_right(node: ast.Expr) -> bool:
     """Whether the text ends with a quantifier's body, which would swallow what follows."""
     match node:
-        case ast.Quantifier():
-            return True
+        case ast.Quantifier(kind=kind):
+            return kind != "count"
         case ast.Not() | ast.Temporal():
             return open_right(node.arg)
         case ast.TemporalPair():
@@ -222,11 +224,14 @@ def _logical(node: ast.Logical) -> str:
 
 
 def _quantifier(node: ast.Quantifier) -> str:
+    """`forall`, `exists` and `sum` over a domain; `count(..)` in the brackets of a call."""
     names = ", ".join(variable.text for variable in node.variables)
     variables = f"({names})" if len(node.variables) > 1 else names
     least = _SUM if not isinstance(node.domain, ast.Range) else 0
     domain = _at(node.domain, least)
     body = show(node.body)
+    if node.kind == "count":
+        return f"count({variables} in {domain}: {body})"
     if node.kind == "sum" and level(node.body) < _SUM:
         body = f"({body})"
     return f"{node.kind} {variables} in {domain}: {body}"

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stlc.ir.networks import Count, Network
 from stlc.ir.nodes import (
     Always,
     And,
@@ -88,7 +89,7 @@ def _options(
     match node:
         case Not(arg=arg):
             return [(arg, step, not positive)]
-        case And(args=args) | Or(args=args):
+        case And(args=args) | Or(args=args) | Count(args=args) | Network(args=args):
             return [(arg, step, positive) for arg in args]
         case Implies(left=left, right=right):
             return [(left, step, not positive), (right, step, positive)]

@@ -18,6 +18,7 @@ from functools import reduce
 import numpy as np
 from numpy.typing import NDArray
 
+from stlc.ir.networks import Count, Network
 from stlc.ir.nodes import (
     Always,
     And,
@@ -36,6 +37,7 @@ from stlc.ir.nodes import (
     Until,
 )
 from stlc.ir.norms import Norms, Sum
+from stlc.verify import networks
 from stlc.verify.clocked import by_the_clock
 from stlc.verify.trace import Array, Trace
 from stlc.verify.windows import until, window_min
@@ -204,6 +206,10 @@ def _value(node: Node, parts: list[Array], trace: Trace, positive: bool) -> Arra
 def _boolean(node: Node, parts: list[Array], trace: Trace) -> Array:
     """Connectives over steps; `parts` of Iff are both sides, then both under negation."""
     match node:
+        case Count():
+            return networks.counted(node, _leading(parts))
+        case Network():
+            return networks.network(node, _leading(parts))
         case Not():
             return -parts[0]
         case And():
@@ -220,6 +226,11 @@ def _boolean(node: Node, parts: list[Array], trace: Trace) -> Array:
             )
         case _:
             raise TypeError(f"no semantics for {type(node).__name__}")
+
+
+def _leading(parts: list[Array]) -> list[Array]:
+    shortest = min(map(len, parts))
+    return [part[:shortest] for part in parts]
 
 
 def _aligned(left: Array, right: Array) -> tuple[Array, Array]:

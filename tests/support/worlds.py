@@ -8,6 +8,7 @@ from itertools import product
 import numpy as np
 from hypothesis import strategies as st
 
+from stlc.ir.networks import Count, Network
 from stlc.ir.nodes import (
     Always,
     And,
@@ -116,6 +117,9 @@ def atoms(agents: tuple[Agent, ...]) -> st.SearchStrategy[Node]:
     )
 
 
+TRIANGLE = ((0, 1), (0, 2), (1, 2))
+
+
 def formulas(base: st.SearchStrategy[Node]) -> st.SearchStrategy[Node]:
     """Formulas with every operator."""
     bounded = st.tuples(st.integers(0, 2), st.integers(0, 2)).map(lambda w: (w[0], w[0] + w[1]))
@@ -123,6 +127,7 @@ def formulas(base: st.SearchStrategy[Node]) -> st.SearchStrategy[Node]:
 
     def extend(inner: st.SearchStrategy[Node]) -> st.SearchStrategy[Node]:
         few = st.lists(inner, min_size=2, max_size=3).map(tuple)
+        three = st.lists(inner, min_size=3, max_size=3).map(tuple)
         return st.one_of(
             st.builds(Not, inner),
             st.builds(And, few),
@@ -130,6 +135,11 @@ def formulas(base: st.SearchStrategy[Node]) -> st.SearchStrategy[Node]:
             st.builds(Implies, inner, inner),
             st.builds(Iff, inner, inner),
             st.builds(Timed, few),
+            st.builds(lambda args, k: Count(args, min(k, len(args))), few, st.integers(1, 3)),
+            st.builds(
+                lambda args, hops, cut: Network(args, TRIANGLE, ("p", "q", "r"), hops, cut),
+                three, st.sampled_from([None, 1, 2]), st.booleans(),
+            ),
             st.builds(
                 lambda k, a, w: k(a, *w), st.sampled_from([Always, Eventually]), inner, spans
             ),

@@ -4,6 +4,7 @@
     predicate, asserted      mu(x) >= margin, mu(x) >= s rho
     or, asserted             alternatives of `choice.py`, their literals add up to 1
     or below literals z      the same, adding up to the sum of z
+    count, network       see `networks.py`, over literals of its arguments
     a node that different disjunctions share     one literal w of its own, w >= z for each use
 
 Sound and complete: a run satisfies the formula at its level exactly when literals exist.
@@ -20,6 +21,7 @@ import numpy as np
 
 from stlc.analysis.goals import Goal, Level
 from stlc.arrays import Ints
+from stlc.ir.networks import Count, Network
 from stlc.ir.nodes import And, Const, Linear, Link, Node, Not, Or
 from stlc.ir.requirement import Requirement
 from stlc.ir.rewrite import postorder
@@ -27,6 +29,7 @@ from stlc.milp.context import Context
 from stlc.milp.formulas.auto import choose
 from stlc.milp.formulas.choice import Alternative, Faces
 from stlc.milp.formulas.link_predicates import LinkEncoder
+from stlc.milp.formulas.networks import NetworkRows
 from stlc.milp.formulas.selectors import ONE_HOT, FormulaEncoding
 from stlc.milp.layout import Encoded
 
@@ -81,6 +84,8 @@ class FormulaEncoder:
                     self._faces.hold([node])
                 case Or():
                     _walk(self._choose(node, []))
+                case Count() | Network():
+                    _walk(self._network(node, None))
                 case Link() | Not():
                     self.links.assert_link(node, self.level)
                 case _:
@@ -148,7 +153,7 @@ class FormulaEncoder:
         return _TOP
 
     def _is_shared(self, node: Node) -> bool:
-        return len(self._owners[node]) > 1 or isinstance(node, Link | Not)
+        return len(self._owners[node]) > 1 or isinstance(node, Link | Not | Count | Network)
 
     def _literal(self, node: Node) -> _Visit:
         """Column w in {0, 1} with w = 1 => node; one for each node."""
@@ -168,10 +173,28 @@ class FormulaEncoder:
         if isinstance(node, Or):
             yield self._choose(node, [column])
             return column
+        if isinstance(node, Count | Network):
+            yield self._network(node, column)
+            return column
         alternative = self._gather(node, inside=True)
         self._faces.shared([column], [list(alternative.atoms)])
         yield self._descend([column], [alternative], exclusive=True)
         return column
+
+    def _network(self, node: Count | Network, z: int | None) -> _Visit:
+        """Rows that make a count or network hold where z is 1 (always, for z None)."""
+        rows = NetworkRows(self.ctx.builder, self._faces.rows)
+        if isinstance(node, Network) and node.composed:
+            self.links.compose(node, self.level, z, rows)
+            return _TOP
+        literals = []
+        for arg in node.args:
+            literals.append((yield self._literal(arg)))
+        if isinstance(node, Count):
+            rows.count(node, literals, z)
+        else:
+            rows.network(node, literals, z)
+        return _TOP
 
     def _gather(self, root: Node, *, inside: bool = False) -> Alternative:
         """What `root` demands, conjunctions opened down to shared nodes and disjunctions."""
@@ -220,7 +243,7 @@ def _owners(root: Node) -> dict[Node, frozenset[int]]:
     owners: dict[Node, set[int]] = {node: set() for node in order}
     owners[root].add(_TOP)
     for node in reversed(order):
-        given = {number[node]} if isinstance(node, Or) else owners[node]
+        given = {number[node]} if isinstance(node, Or | Count | Network) else owners[node]
         for child in node.children:
             if len(owners[child]) < 2 or _TOP in given:
                 owners[child] |= given

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stlc.analysis import networks
 from stlc.analysis.bounds import unit_of
 from stlc.analysis.goals import Goal, Level
 from stlc.analysis.link_tables import LinkTables, link_of
+from stlc.ir.networks import Network
 from stlc.ir.nodes import Link, Not
-from stlc.milp.context import Context
+from stlc.milp.context import Affine, Context
+from stlc.milp.formulas.networks import NetworkRows
 from stlc.mission import Channel
-
-if TYPE_CHECKING:
-    pass
 
 
 @dataclass(slots=True)
@@ -43,6 +42,32 @@ class LinkEncoder:
         column = int(self.ctx.builder.binary("link_z", (1,))[0])
         self._value_rows(node, level, column)
         return column
+
+    def compose(self, node: Network, level: Level, z: int | None, rows: NetworkRows) -> None:
+        """A composed network holds at its level where z is 1 (always, for z None)."""
+        assert not level.goals, "semantic analysis refuses to maximise end-to-end qualities"
+        links = node.links
+        first = links[0] if links else None
+        if first is None or not networks.attainable(first, level.margin):
+            if not node.cut:
+                rows.never(z)
+            return
+        asked = networks.budget(first, level.margin)
+        cap = 2.0 * asked + 1e-3  # what is heavier alone is never taken, nor misses from a path
+        weights = [self._weight(link, cap, below=node.cut) for link in links]
+        if node.cut:
+            rows.unrelayed(node, weights, asked, cap, z)
+        else:
+            rows.relayed(node, weights, asked, cap, z)
+
+    def _weight(self, link: Link, cap: float, *, below: bool) -> Affine:
+        """An expression that a link's weight is at most, or (`below`) at least."""
+        from stlc.milp.tables import link_bound
+
+        channel, pair, step = self._parts(link)
+        table = np.minimum(networks.weights(link, self.tables.robustness(link)), cap)
+        sign = -1.0 if below else 1.0
+        return link_bound(self.ctx, channel, pair, sign * table, step, self.encoding).scaled(sign)
 
     def _parts(self, node: Link | Not) -> tuple[Channel, tuple[str, str], int]:
         link = link_of(node)

@@ -34,6 +34,7 @@ __all__ = [
     "TableError",
     "add_link_cost",
     "choose",
+    "link_bound",
     "link_literal",
     "link_value",
     "reserve_link_cost",
@@ -82,6 +83,24 @@ def link_value(
     table = ends.table(values)
     link = ends.at(step, user_of(VALUE, table))
     return choose(ctx, [link], encoding).encoding.value(ctx, link, table)
+
+
+def link_bound(
+    ctx: Context,
+    channel: Channel,
+    pair: tuple[str, str],
+    values: ArrayLike,
+    step: int,
+    encoding: str = "auto",
+) -> Affine:
+    """An expression that is at least the table's value at a step, and may be the value itself.
+
+    Arguments and errors as in `add_link_cost`.
+    """
+    ends = ends_of(ctx, channel.partition, pair)
+    table = ends.table(values)
+    link = ends.at(step, user_of(VALUE, table))
+    return choose(ctx, [link], encoding).encoding.below(ctx, link, table)
 
 
 def link_literal(

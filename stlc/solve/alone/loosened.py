@@ -17,6 +17,7 @@ import numpy as np
 
 from stlc.arrays import Bools, Floats
 from stlc.channels import ChannelTables
+from stlc.ir.networks import Network, uncomposed
 from stlc.ir.nodes import And, Const, Linear, Link, Node, Not, Role, Signal
 from stlc.ir.rewrite import rewrite
 from stlc.mission import Mission
@@ -49,6 +50,8 @@ def _negated(node: Node, links: _Links) -> Node:
 def _plain(node: Node, links: _Links) -> Node:
     if isinstance(node, Link):
         return links.polygon(node, links.tables.thresholds(node).low)
+    if isinstance(node, Network) and node.composed:
+        return uncomposed(node)
     return node
 
 

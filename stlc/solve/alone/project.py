@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import replace
 
 from stlc.channels import ChannelTables
+from stlc.ir.networks import Network, uncomposed
 from stlc.ir.nodes import Const, Linear, Link, Node, Not, walk
 from stlc.ir.requirement import Requirement
 from stlc.ir.rewrite import rewrite
@@ -44,6 +45,8 @@ def _taken(node: Node, others: Collection[str]) -> Node:
             link = node.arg if isinstance(node, Not) else node
             assert isinstance(link, Link)
             named = {link.sender, link.receiver}
+        case Network(composed=True, args=args) if not all(isinstance(a, Link) for a in args):
+            return uncomposed(node)
         case Not(arg=Const()):  # of a link that was taken as true a moment ago
             return _TRUE
         case _:

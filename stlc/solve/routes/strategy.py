@@ -9,6 +9,8 @@ import numpy as np
 from stlc.arrays import Floats
 from stlc.backends.base import Capability, Solution, Status
 from stlc.errors import SolverError
+from stlc.ir.networks import Count, Network
+from stlc.ir.nodes import walk
 from stlc.milp.model import Model
 from stlc.mission import TermKind
 from stlc.solve import tuning
@@ -24,7 +26,7 @@ _NEEDED = Capability.TIME_LIMIT | Capability.GAP
 
 def applies(work: Work) -> bool:
     """No plan yet, no robustness to maximise, agents that are somewhere and have bounded inputs
-    and no turning rate, a model that is not solved in a moment."""
+    and no turning rate, formulas of and, or and predicates, a model not solved in a moment."""
     mission = work.compiled.mission
     if work.x is not None or work.compiled.robustness or not work.can(_NEEDED):
         return False
@@ -32,6 +34,9 @@ def applies(work: Work) -> bool:
         all(end in mission.agents for end in pair)
         for term in mission.objective if term.kind is TermKind.LINK_COST for pair in term.pairs
     )  # fmt: skip
+    formulas = (one.formula for one in work.compiled.layout.encoded)
+    if any(isinstance(n, Count | Network) for formula in formulas for n in walk(formula)):
+        return False
     return not pairs and all(
         agent.dynamics.position is not None
         and agent.turn_rate is None

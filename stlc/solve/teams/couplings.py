@@ -11,12 +11,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
+from stlc.ir.networks import Count, Network
 from stlc.ir.nodes import And, Const, Linear, Link, Node, Or, Role, walk
 from stlc.milp.compile import Compiled
 from stlc.mission import TermKind
 from stlc.solve.alone.run import Run
 from stlc.solve.teams.held import named
 
+_BINDING = Link | Count | Network
 _MISS = 1e-6  # what a certified plan may miss a predicate by
 
 Pair = frozenset[str]
@@ -38,7 +40,7 @@ class Couplings:
         bound: dict[str, frozenset[str]] = dict.fromkeys(agents, frozenset())
         for names, node, margin in _conjuncts(compiled):
             known = names & agents
-            if len(known) == 2 and not any(isinstance(n, Link) for n in walk(node)):
+            if len(known) == 2 and not any(isinstance(n, _BINDING) for n in walk(node)):
                 apart.setdefault(known, []).append((node, margin))
             else:
                 _bind(bound, known)

@@ -17,6 +17,7 @@ import numpy as np
 
 from stlc.arrays import Floats, Ints
 from stlc.channels import ChannelTables
+from stlc.ir.networks import Network, uncomposed
 from stlc.ir.nodes import (
     Const,
     Linear,
@@ -106,6 +107,8 @@ class _Held:
                 return self._linear(node, margin)
             case Link() if node.channel not in self.channels:
                 return self._link(node, self.tables.thresholds(node).low, margin)
+            case Network(composed=True):
+                return uncomposed(node)
         return node
 
     def _linear(self, node: Linear, margin: float) -> Node:

@@ -1,0 +1,105 @@
+"""Formulas over a whole network: how many hold, which links join the radios.
+
+* `Count(args, k)`: at least k of the arguments; rho is their k-th largest.
+* `Network(args, ends, vertices, hops)`: a graph without directions whose edge e, between the
+  vertices `ends[e]`, is there where `args[e]` holds. Without `hops` it joins all vertices: rho is
+  the bottleneck of a maximum spanning tree. With `hops` it leads from vertex 0 to vertex 1 over at
+  most so many edges: rho is the best such path's worst edge.
+* the same, `composed`: the arguments are links with one quality and threshold, and what is
+  compared with the threshold is the best path's end-to-end quality: packet reception ratios
+  multiply, the chances of no bit error too, costs add up.
+* `cut`: the dual, where `args[e]` says that edge e is *not* there: rho(cut of f) = -rho(network of
+  not f), so that negation moves to the arguments as it does through `and`.
+
+All but `composed` are made of min and max alone, hence hold at a level exactly where they do with
+the arguments that hold at that level.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from stlc.ir.nodes import Const, Link, Node, Quantity
+
+Ends = tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Count(Node):
+    """At least `least` of the arguments, 1 <= least <= len(args)."""
+
+    args: tuple[Node, ...]
+    least: int
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """The arguments and how many of them."""
+        return (*self.args, self.least)
+
+    @property
+    def children(self) -> tuple[Node, ...]:
+        """The arguments."""
+        return self.args
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Network(Node):
+    """A graph that joins its vertices, or vertex 0 with vertex 1; see the module."""
+
+    args: tuple[Node, ...]
+    ends: tuple[Ends, ...]
+    vertices: tuple[str, ...]
+    hops: int | None = None
+    cut: bool = False
+    composed: bool = False
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """The edges, and all that says what is asked of them."""
+        return (*self.args, self.ends, self.vertices, self.hops, self.cut, self.composed)
+
+    @property
+    def children(self) -> tuple[Node, ...]:
+        """What each edge depends on."""
+        return self.args
+
+    @property
+    def links(self) -> tuple[Link, ...]:
+        """The arguments of a composed network, which are links."""
+        assert all(isinstance(arg, Link) for arg in self.args)
+        return tuple(arg for arg in self.args if isinstance(arg, Link))
+
+
+COMPOSABLE = frozenset({Quantity.PRR, Quantity.BER, Quantity.BER_AT_MEAN, Quantity.COST})
+"""Qualities that have an end-to-end value over several hops."""
+
+
+def negated_count(node: Count, negated: Sequence[Node]) -> Count:
+    """Of n arguments fewer than k hold where n - k + 1 of their negations do."""
+    return replace(node, args=tuple(negated), least=len(node.args) - node.least + 1)
+
+
+def negated_network(node: Network, negated: Sequence[Node]) -> Network:
+    """The dual over the negated arguments."""
+    return replace(node, args=tuple(negated), cut=not node.cut)
+
+
+def uncomposed(node: Network) -> Node:
+    """What a composed network asks of its links at least, each by itself.
+
+    Every link of a path that is good enough is, so that what stands in the links' place may be
+    anything they imply. That no path is good enough says nothing of single links.
+    """
+    return Const(True, span=node.span) if node.cut else replace(node, composed=False)
+
+
+def counted(node: Count) -> Node:
+    """A count without arguments that are known; a constant where that decides it."""
+    open_ = tuple(a for a in node.args if not isinstance(a, Const))
+    least = node.least - sum(a == Const(True) for a in node.args)
+    if least <= 0:
+        return Const(True, span=node.span)
+    if least > len(open_):
+        return Const(False, span=node.span)
+    return node if open_ == node.args else replace(node, args=open_, least=least)
