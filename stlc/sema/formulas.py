@@ -167,7 +167,7 @@ def _compare(
 ) -> Node:
     """One comparison; places compare by identity, numbers once min and max are unfolded."""
     if isinstance(left, Chance) or isinstance(right, Chance):
-        return link_calls.compare_chance(left, operator, right, spans)
+        return link_calls.compare_chance(left, operator, right, spans, env.positive)
     if isinstance(left, Tally) or isinstance(right, Tally):
         return networks.compare_count(left, operator, right, spans, scope)
     if isinstance(left, Separation) and isinstance(right, Items):

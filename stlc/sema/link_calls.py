@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from math import isnan
 
-from stlc.ir.nodes import Link, Not, Quantity
+from stlc.ir.nodes import Linear, Link, Node, Not, Quantity
 from stlc.mission import Agent, Channel, Station
+from stlc.sema.allocation import allocated, packets
 from stlc.sema.channel_errors import (
     BadLink,
     BadProbability,
@@ -157,26 +158,30 @@ def missing(channel: str, what: str, why: str, span: Span | None) -> MissingChan
 
 
 def chance(expr: ast.Call, env: Env, scope: Scope) -> Value:
-    """`P(rssi(a, b) >= -70 dBm)`, to be compared with a probability."""
+    """`P(rssi(a, b) >= -70 dBm)`, or of several packets, to be compared with a probability."""
     if len(expr.args) != 1:
         raise Mistake(_arity(expr, "P(rssi(a, b) >= -70 dBm) >= 0.95"))
     value = scope.value(expr.args[0], env)
     node = value.node if isinstance(value, Truth) else None
     if isinstance(node, Link) and node.quantity is not Quantity.COST:
         return Chance(replace(node, factor=1.0))  # its robustness is that of the level reached
+    if node is not None and not isinstance(node, Link | Linear | Not):
+        packets(node)  # its mistakes are told here
+        return Chance(node)
     raise Mistake(
         BadLink(
             span=expr.args[0].span,
-            problem="`P(..)` takes one comparison of a link quality with a constant",
+            problem="`P(..)` takes comparisons of link qualities with constants",
             hint="write `P(rssi(a, b) >= -70 dBm) >= 0.95`",
         )
     )
 
 
 def compare_chance(
-    left: Value, operator: Operator, right: Value, spans: tuple[Span, Span]
-) -> Link | Not:
-    """`P(link) >= p`; `<=` is the negation, `p <= P(link)` the mirror image."""
+    left: Value, operator: Operator, right: Value, spans: tuple[Span, Span], positive: bool
+) -> Node:
+    """`P(link) >= p`; `<=` is the negation, `p <= P(link)` the mirror image. Of several packets
+    only `>=` has a meaning, and not under a negation."""
     if not isinstance(left, Chance):
         mirror: dict[Operator, Operator] = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
         operator = mirror.get(operator, operator)
@@ -186,10 +191,20 @@ def compare_chance(
         raise Mistake(BadLink(span=spans[0], problem=problem))
     whole = spans[0].to(spans[1])
     p = _probability(right, spans[1])
-    assert isinstance(left.link, Link)
+    if not isinstance(left.link, Link):
+        return _together(left.link, p, operator in (">", ">=") and positive, whole)
     if operator in (">", ">="):
         return replace(left.link, probability=p, span=whole)
     return Not(replace(left.link, probability=p, span=whole), span=whole)
+
+
+def _together(node: Node, probability: float, sound: bool, span: Span) -> Node:
+    """A chance of several packets together, where a sufficient condition will do."""
+    if not sound:
+        problem = "a chance of several packets is only known from below"
+        hint = "compare it by `>=`, under no negation and not left of an implication"
+        raise Mistake(BadLink(span=span, problem=problem, hint=hint))
+    return replace(allocated(node, probability), span=span)
 
 
 def _probability(value: Value, span: Span) -> float:
