@@ -9,7 +9,7 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.channels import needed, receiver, true_links
+from stlc.channels import dimensions, needed, receiver
 from stlc.ir.nodes import Link, Node, Quantity, Relation, walk
 from stlc.mission import Channel, Mission
 from stlc.radio.costs import CostName, link_cost
@@ -109,7 +109,7 @@ def _strengths(
 ) -> Array:
     """Strengths (pairs, T+1, draws) [dBm] without fading; both directions of a link have one."""
     distinct = list(dict.fromkeys(_unordered(pair) for pair in pairs))
-    links = np.concatenate([_links(mission, model, pair, runs) for pair in distinct], axis=1)
+    links = _links(mission, model, distinct, runs)
     drawn = _in_blocks(model, links, draws, rng).reshape(len(distinct), -1, draws)
     strengths = drawn[[distinct.index(_unordered(pair)) for pair in pairs]]
     names = [receiver(model, pair) for pair in pairs]
@@ -126,12 +126,20 @@ def _unordered(pair: Pair) -> Pair:
     return (min(pair), max(pair))
 
 
-def _links(mission: Mission, model: ChannelModel, pair: Pair, runs: Runs) -> Array:
-    """The links (W, T+1, 2 D) [m] of a pair in each world."""
-    ends = np.broadcast_arrays(*(runs.positions[name] for name in pair))
-    steps, _, worlds = ends[0].shape
-    a, b = (np.moveaxis(end, 2, 0).reshape(-1, 3) for end in ends)
-    return true_links(mission, model, pair, a, b).reshape(worlds, steps, -1)
+def _links(mission: Mission, model: ChannelModel, pairs: Sequence[Pair], runs: Runs) -> Array:
+    """The links (W, pairs (T+1), 2 D) [m] of all pairs in each world, one after the other; in space
+    where any of them is, and in worlds of their own where any end of one is noisy."""
+    axes = max(dimensions(mission, model, pair) for pair in pairs)
+    ends = [tuple(runs.positions[name] for name in pair) for pair in pairs]
+    worlds = max(place.shape[2] for both in ends for place in both)
+    links = []
+    for both in ends:
+        a, b = (np.moveaxis(place[:, :axes], 2, 0) for place in both)
+        steps = a.shape[1]
+        links.append(
+            np.concatenate([np.broadcast_to(end, (worlds, steps, axes)) for end in (a, b)], axis=2)
+        )
+    return np.concatenate(links, axis=1)
 
 
 def _in_blocks(model: ChannelModel, links: Array, draws: int, rng: np.random.Generator) -> Array:

@@ -100,8 +100,8 @@ def _ways(mission: Mission, plan: Plan, distance: float) -> Iterator[Node]:
         sides = [
             side
             for name, agent in mission.agents.items()
-            if agent.dynamics.position is not None
-            for side in _sides(agent, agent.dynamics.position, plan.runs[name], step, distance)
+            if agent.dynamics.space is not None
+            for side in _sides(agent, agent.dynamics.space, plan.runs[name], step, distance)
         ]
         if sides:
             yield Always(Or(tuple(sides)), step, step)
@@ -110,10 +110,12 @@ def _ways(mission: Mission, plan: Plan, distance: float) -> Iterator[Node]:
 def _sides(
     agent: Agent, rows: np.ndarray, run: Run, step: int, distance: float
 ) -> Iterator[Linear]:
-    """The position lies `distance` beyond the run's, on either side along either axis."""
+    """The position lies `distance` beyond the run's, on either side along an axis; rows (3, n)."""
     for row in rows:
         there = float(row @ run.states[step])
         used = [int(k) for k in np.flatnonzero(row)]
+        if not used:
+            continue  # the height of who is on the ground
         for sign in (1.0, -1.0):
             terms = tuple((Signal(agent.name, Role.STATE, k), sign * float(row[k])) for k in used)
             yield Linear(terms, -sign * there - distance, "m")

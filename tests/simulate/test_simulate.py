@@ -187,6 +187,41 @@ require p: always[0,0] link_cost(radio, (b, a)) <= 2
     _sure(_run(mission, _plan(mission))["p"], touched)
 
 
+def test_pairs_with_and_without_noise_share_a_channel(tmp_path: Path) -> None:
+    lines = (
+        "require p: always[0,1] rssi(a, mast) >= -24 dBm",
+        "require q: always[0,0] rssi(b, mast) >= -22 dBm",
+    )
+    mission = _mission(tmp_path, *lines, a="start_noise (1, 0)")
+    found = _run(mission, _plan(mission))
+    mean = -10 - 20 * np.log10(np.hypot(1, 4))
+    _sure(found["q"], float(norm.cdf((mean + 22) / np.sqrt(6 + 4))))
+    assert 0 < found["p"].probability < 1
+
+
+def test_pairs_in_space_and_on_the_ground_share_a_channel() -> None:
+    mission = api.loads("""step 1 s
+horizon 1
+workspace box [0, 10] x [0, 10]
+dynamics drone = single_integrator { dimensions 3; pz in [0, 9]; control |u| <= 1 }
+agent a : drone { start (1, 1, 4) }
+agent b : single_integrator { start (4, 1); control |u| <= 1 }
+agent c : single_integrator { start (6, 1); control |u| <= 1 }
+channel radio { path_loss L0 = -10 dBm, n = 2; fading 4 dB^2, shadowing 6 dB^2, length 2 m
+  partition 4 x 4 }
+require p: always[0,0] rssi(a, b) >= -24 dBm
+require q: always[0,0] rssi(b, c) >= -17 dBm
+""")
+    rest = {n: np.zeros((1, a.dynamics.B.shape[1])) for n, a in mission.agents.items()}
+    plan = make_plan(
+        mission, {n: np.tile(a.start, (2, 1)) for n, a in mission.agents.items()}, rest
+    )
+    found = _run(mission, plan)
+    spread = np.sqrt(6 + 4)
+    _sure(found["p"], float(norm.cdf((-10 - 20 * np.log10(5) + 24) / spread)))
+    _sure(found["q"], float(norm.cdf((-10 - 20 * np.log10(2) + 17) / spread)))
+
+
 def test_swept_conditions_of_certain_agents_are_those_of_the_verifier(tmp_path: Path) -> None:
     lines = ("obstacle rock = box [2.4, 2.6] x [0, 2]", "require p: always a outside rock swept")
     mission = _mission(tmp_path, *lines)

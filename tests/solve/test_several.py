@@ -82,6 +82,17 @@ def test_it_says_when_there_are_no_more() -> None:
     assert any("none but these 3 plans" in str(event) for event in told)
 
 
+def test_plans_in_space_may_differ_by_height() -> None:
+    mission = api.loads(
+        "step 1 s\nhorizon 1\nworkspace box [0, 2] x [0, 2]\n"
+        "dynamics drone = single_integrator { dimensions 3; pz in [0, 4] }\n"
+        "agent a : drone { start (1, 1, 1); uz in [-1, 1]; ux in [0, 0]; uy in [0, 0] }\n"
+        "require low: always a.z <= 5 m\nminimize effort\n"
+    )
+    found = solve_several(mission, SolveSettings(), 3, 1.0)
+    assert sorted(round(float(o.plan.runs["a"].states[1, 2])) for o in found) == [0, 1, 2]
+
+
 def test_plans_of_what_is_nowhere_cannot_differ() -> None:
     mission = api.loads(
         "horizon 2\ndynamics tank { states level; inputs pump; A = [[1]]; B = [[1]] }\n"
