@@ -24,6 +24,8 @@ class Preference:
     ROBUSTNESS: violation max(0, margin - robustness of `formula`). Otherwise the sum over `parts`
     that don't reach the margin of `worth` each: a step's length [s] for each deadline that passes,
     one over their number for each part of a conjunction or window.
+
+    `cost`: nobody prefers it, the objective counts it (`minimize time(reach)`).
     """
 
     name: str
@@ -36,4 +38,5 @@ class Preference:
     parts: tuple[Node, ...] = ()
     worth: float = 1.0
     unit: str = ""
+    cost: bool = False
     span: Span | None = None

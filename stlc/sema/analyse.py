@@ -22,6 +22,7 @@ from stlc.sema import (
     preferences,
 )
 from stlc.sema.costs import is_cost
+from stlc.sema.durations import durations
 from stlc.sema.expressions import evaluate
 from stlc.sema.files import Files
 from stlc.sema.name_errors import Redeclared
@@ -104,11 +105,11 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
     terms = _objective(of(statements, ast.Objective), scope)
     given = _horizon(single(statements, ast.Horizon, report), scope)
     moves = None if report.errors else next((a.span for a in scope.agents.values()), None)
-    formulas = demands.together(requirements, wishes)
+    formulas = demands.together(requirements, [*wishes, *durations(requirements, scope)])
     steps = horizon.derive(formulas, given, objective.last_step(terms), moves, report)
     requirements, wishes = demands.carried_on(statements, requirements, wishes, steps, shaper)
     swept = holds_between(space, formulas, scope)
-    wishes = demands.finished(wishes, terms, steps, scope)
+    wishes = demands.finished(wishes, terms, requirements, steps, scope)
     mission = Mission(
         source=file.source, step=scope.step, horizon=steps, workspace=scope.workspace,
         agents=scope.agents, stations=scope.stations, regions=scope.regions,

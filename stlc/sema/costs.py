@@ -10,6 +10,7 @@ from stlc.mission import Agent, Channel, ObjectiveTerm, TermKind
 from stlc.scales import unbounded
 from stlc.sema import clock
 from stlc.sema.channel_errors import BadChannel, BadLink
+from stlc.sema.durations import duration
 from stlc.sema.link_calls import missing, only_channel
 from stlc.sema.name_errors import UnknownName, WrongKind
 from stlc.sema.objective_errors import BadObjective
@@ -20,7 +21,7 @@ from stlc.sema.values import ChannelName, Env, Items, Radio, Value, describe
 from stlc.source import Span
 from stlc.syntax import ast
 
-COSTS = ("effort", "link_cost", "robustness", "normalised", "normalized")
+COSTS = ("effort", "link_cost", "robustness", "time", "normalised", "normalized")
 
 Pair = tuple[str, str]
 
@@ -62,6 +63,8 @@ def cost_term(expr: ast.Expr, weight: float, env: Env, scope: Scope) -> Objectiv
     """The term of one cost. Raises Mistake."""
     if isinstance(expr, ast.Index):
         term = cost_term(expr.base, weight, env, scope)
+        if term.kind is TermKind.VIOLATION:
+            raise Mistake(BadObjective(span=expr.span, problem="a time has no window"))
         return replace(term, window=_window(expr, env, scope), span=expr.span)
     name, args = _head(expr)
     match name:
@@ -71,10 +74,14 @@ def cost_term(expr: ast.Expr, weight: float, env: Env, scope: Scope) -> Objectiv
             return _link_cost(expr, args, weight, env, scope)
         case "robustness":
             return _robustness(expr, args, weight, env, scope)
+        case "time":
+            return duration(expr, args, weight, env, scope)
         case "normalised" | "normalized" if len(args) == 1:
             inner = cost_term(args[0], weight, env, scope)
             if inner.kind is TermKind.ROBUSTNESS:
                 raise Mistake(BadObjective(span=expr.span, problem="robustness isn't a cost"))
+            if inner.kind is TermKind.VIOLATION:
+                raise Mistake(BadObjective(span=expr.span, problem="a time has no static range"))
             _check_range(inner, expr.span, scope)
             return replace(inner, normalised=True, span=expr.span)
     problem = "a constant adds nothing" if isinstance(expr, ast.Number) else "this is not a cost"

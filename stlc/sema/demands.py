@@ -5,6 +5,7 @@ from __future__ import annotations
 from stlc.ir.requirement import Requirement
 from stlc.mission import ObjectiveTerm, TermKind
 from stlc.preferences import Preference
+from stlc.sema.durations import durations
 from stlc.sema.joints import joined
 from stlc.sema.name_errors import Redeclared
 from stlc.sema.objective_errors import BadPreference
@@ -69,12 +70,16 @@ def together(requirements: list[Requirement], wishes: list[Preference]) -> list[
 
 
 def finished(
-    wishes: list[Preference], terms: list[ObjectiveTerm], steps: int, scope: Scope
+    wishes: list[Preference],
+    terms: list[ObjectiveTerm],
+    requirements: list[Requirement],
+    steps: int,
+    scope: Scope,
 ) -> list[Preference]:
-    """Preferences with their parts, once the mission is known to be sound so far; whether the
-    objective may stand beside them."""
+    """Preferences, and times that cost, with their parts, once the mission is known to be sound so
+    far; whether the objective may stand beside them."""
     found = []
-    for wish in [] if scope.report.errors else wishes:
+    for wish in [] if scope.report.errors else [*wishes, *durations(requirements, scope)]:
         with scope.report.guard():
             found.append(parted(wish, steps, scope.step))
     _check_beside(terms, wishes, scope.report)

@@ -11,8 +11,8 @@ class BadObjective(Diagnostic):
     """The objective isn't a weighted sum of costs.
 
     Costs are `effort`, `effort(agent)`, `link_cost(channel)`, `link_cost(channel, (a, b))`, each
-    with an optional interval `effort[0, 4]`, `normalised(cost)`, and `robustness`,
-    `robustness(requirement)`. Weights are plain numbers.
+    with an optional interval `effort[0, 4]`, `normalised(cost)`, `time(requirement)`, and
+    `robustness`, `robustness(requirement)`. Weights are plain numbers.
     """
 
     code: ClassVar[str] = "E0701"

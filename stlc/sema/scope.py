@@ -81,6 +81,7 @@ class Scope:
     starts: dict[str, Span] = field(default_factory=dict)
     pairs: dict[str, tuple[tuple[str, str], ...]] = field(default_factory=dict)
     requirements: list[str] = field(default_factory=list)
+    times: dict[str, tuple[ast.Expr, Env]] = field(default_factory=dict)  # that cost
     signals: dict[str, Unit | None] = field(default_factory=dict)
 
     # --- evaluation, with the kind that is needed ---------------------------------------------

@@ -68,10 +68,15 @@ def _name(term: ObjectiveTerm) -> str:
         TermKind.ROBUSTNESS: f"robustness({term.requirement})"
         if term.requirement
         else "robustness",
-        TermKind.VIOLATION: f"violation({term.requirement})",
+        TermKind.VIOLATION: _violated(term),
     }[term.kind]
     window = f"[{term.window[0]}, {term.window[1]}]" if term.window else ""
     return f"normalised({inner}{window})" if term.normalised else inner + window
+
+
+def _violated(term: ObjectiveTerm) -> str:
+    name = term.requirement or ""
+    return name if name.startswith("time(") else f"violation({name})"
 
 
 def _effort(subject: Subject, term: ObjectiveTerm) -> float:

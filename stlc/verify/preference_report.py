@@ -20,14 +20,17 @@ class PreferenceReport:
     measure: str
     weight: float
     priority: int | None
+    cost: bool = False  # no preference, but what the objective counts
     span: Span | None = None
 
     @property
     def kept(self) -> bool:
-        """Whether it holds."""
-        return self.violation <= 1e-6
+        """Whether it holds; a cost is nothing that could be kept."""
+        return self.cost or self.violation <= 1e-6
 
     def __str__(self) -> str:
+        if self.cost:
+            return f"{self.name} is {self.violation:.6g} {self.unit}"
         rank = f"weight {self.weight:g}"
         if self.priority is not None:
             rank = f"priority {self.priority}, {rank}"
@@ -45,5 +48,5 @@ class PreferenceReport:
         amount = None if math.isnan(self.violation) else self.violation
         return {
             "name": self.name, "kept": self.kept, "violation": amount, "unit": self.unit,
-            "measure": self.measure,
+            "measure": "time" if self.cost else self.measure,
         }  # fmt: skip

@@ -38,7 +38,14 @@ def preference_reports(mission: Mission, trace: Trace) -> tuple[PreferenceReport
     """Every preference of the mission."""
     return tuple(
         PreferenceReport(
-            p.name, violation(p, trace)[0], p.unit, p.measure.value, p.weight, p.priority, p.span
+            p.name,
+            violation(p, trace)[0],
+            p.unit,
+            p.measure.value,
+            p.weight,
+            p.priority,
+            p.cost,
+            p.span,
         )
         for p in mission.preferences
     )
