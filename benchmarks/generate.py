@@ -32,6 +32,7 @@ GENERATORS: dict[str, Callable[..., str]] = {
     "team": teams.team,
     "radio_team": teams.radio_team,
     "connected_team": teams.connected_team,
+    "swarm": teams.swarm,
     "patrol": scaling.patrol,
     "rounds": long.rounds,
 }

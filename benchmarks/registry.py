@@ -122,7 +122,7 @@ RADIO = Suite(
 
 TEAMS = Suite(
     "teams",
-    "2 to 6 agents that change sides: alone, paying for every link, always connected",
+    "2 to 6 agents that change sides: alone, paying for every link, always connected; 16 and 32",
     (
         *(_made("teams", f"team_{n}", "team", "agents", n <= 2, agents=n, steps=7)
           for n in range(2, 7)),
@@ -130,6 +130,8 @@ TEAMS = Suite(
                 agents=n, steps=7, cells=5) for n in range(2, 7)),
         *(_made("teams", f"connected_team_{n}", "connected_team", "agents", n <= 2,
                 agents=n, steps=7, cells=5) for n in range(2, 7)),
+        *(_made("teams", f"swarm_{n}_s{seed}", "swarm", family=f"{n} agents, swept",
+                agents=n, steps=20, seed=seed) for n in (16, 32) for seed in range(3)),
     ),
 )  # fmt: skip
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from itertools import combinations
 
-from generators.text import Box, apart, carts, channel, clock, comment, document, region
+import numpy as np
+
+from generators.text import Box, apart, box, carts, channel, clock, comment, document, region
 
 _FIELD: Box = (0, 10, 0, 10)
 _LEVEL = "-44 dBm"
@@ -60,3 +64,42 @@ def connected_team(agents: int, steps: int, cells: int) -> str:
     return document(
         title, time, bodies, places, channel(cells), [*goals, *safety, *talk], "minimize effort"
     )
+
+
+def swarm(agents: int, steps: int, seed: int) -> str:
+    """Many agents from random starts to random goals past a wall, all pairs apart between samples
+    too; no radio. There is as much room for each whatever their number."""
+    rng = np.random.default_rng(seed)
+    across = 2 * math.ceil(1.5 * math.sqrt(agents) + 2)
+    free = [(x, y) for x in range(across) for y in range(across) if abs(y + 0.5 - across / 2) > 2]
+    starts = [(x + 0.5, y + 0.5) for x, y in rng.permutation(free)[:agents]]
+    field: Box = (0, across, 0, across)
+    goals = [_near(start, free, steps, rng) for start in starts]
+    wall: Box = (across / 4, 3 * across / 4, across / 2 - 1, across / 2 + 1)
+    return document(
+        comment(f"{agents} agents past a wall in {steps} steps, seed {seed}."),
+        clock(steps, field),
+        carts(starts),
+        [
+            *(region(f"goal{k}", goal) for k, goal in enumerate(goals, 1)),
+            f"obstacle wall = {box(wall)}",
+        ],
+        [f"require reach{k}: eventually r{k} in goal{k}" for k in range(1, agents + 1)],
+        [
+            "require clear: always forall a in agents: a outside wall swept",
+            "require apart: always forall (a, b) in pairs: separation(a, b) >= 0.5 m swept",
+        ],
+        "minimize effort",
+    )
+
+
+def _near(
+    start: tuple[float, float],
+    free: Sequence[tuple[int, int]],
+    steps: int,
+    rng: np.random.Generator,
+) -> Box:
+    """A goal of 1 x 1 m within easy reach."""
+    reach = [(x, y) for x, y in free if max(abs(x - start[0]), abs(y - start[1])) <= 0.75 * steps]
+    x, y = reach[int(rng.integers(len(reach)))]
+    return (float(x), float(x) + 1, float(y), float(y) + 1)

@@ -99,7 +99,8 @@ class Parts:
     def run(self) -> Work:
         """The work with the rows of all groups that the time allows for, and their bound."""
         agents = list(self.work.compiled.states)
-        for size in range(2, len(agents)):
+        whole = any(self.couplings.bound.values())  # loosened, all together are a smaller model
+        for size in range(2, len(agents) + whole):
             groups = list(self._groups(agents, size))
             for k, group in enumerate(groups):
                 if self.deadline.over() or self.work.proven():
