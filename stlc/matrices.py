@@ -20,6 +20,8 @@ def exponential(matrix: Floats) -> Floats:
     """exp(matrix), (n, n); not finite where it overflows."""
     powers = _powers(matrix)
     if powers is None:
+        if not np.isfinite(matrix).all():
+            return np.full_like(matrix, np.nan)
         from scipy.linalg import expm
 
         with np.errstate(all="ignore"):
@@ -53,6 +55,7 @@ def logarithm(matrix: Floats) -> Floats | None:
 _IMAGINARY = 1e-9  # of a real logarithm: rounding
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def _powers(matrix: Floats) -> list[Floats] | None:
     """Powers 1, 2, ... of a matrix before they vanish exactly; None where they don't."""
     found: list[Floats] = []

@@ -62,6 +62,29 @@ def check_held(
         raise RangeLost([_diagnostic(agent, step, int(lost.argmax()), reached)])
 
 
+def check_products(
+    agent: Agent, states: tuple[Floats, Floats], inputs: tuple[Floats, Floats]
+) -> None:
+    """Raise RangeLost where a step from finite ends overflows.
+
+    `states` (T+1, n) and `inputs` (T, m) are lower and upper ends.
+    """
+    model = agent.dynamics
+    x, u = (np.fmax(*(finite_size(end) for end in ends)) for ends in (states, inputs))
+    with np.errstate(over="ignore"):
+        size = x[:-1] @ np.abs(model.A).T + u @ np.abs(model.B).T + np.abs(model.drift)
+    broken = ~np.isfinite(size)
+    if broken.any():
+        step, index = np.unravel_index(int(broken.argmax()), broken.shape)
+        reached = np.full((2, size.shape[1]), np.inf)
+        raise RangeLost([_diagnostic(agent, int(step) + 1, int(index), reached)])
+
+
+def finite_size(values: Floats) -> Floats:
+    """Absolute values, 0 for what is infinite or NaN: what a rounding error is measured by."""
+    return np.where(np.isfinite(values), np.abs(values), 0.0)
+
+
 def _diagnostic(agent: Agent, step: int, index: int, reached: Floats) -> LostRange:
     """The error that names the state's greatest value and how far apart doubles lie there."""
     sizes = np.where(np.isnan(reached[:, index]), np.inf, reached[:, index])

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stlc.analysis.doubles import check_held
+from stlc.analysis.doubles import check_held, check_products, finite_size
 from stlc.arrays import Floats
 from stlc.ir.nodes import Role
 from stlc.mission import Agent, Mission, NormBound, PolygonKind
@@ -64,6 +64,7 @@ def start_box(agent: Agent, mission: Mission) -> Box:
     first, last = agent.starts or (agent.start, agent.start)
     box.x_lower[0] = np.maximum(box.x_lower[0], first)
     box.x_upper[0] = np.minimum(box.x_upper[0], last)
+    check_products(agent, (box.x_lower, box.x_upper), (box.u_lower, box.u_upper))
     _forward(box)
     assert box.x_lower.shape == (steps + 1, n)
     return box
@@ -128,11 +129,6 @@ def _meet(box: Box, step: int, low: Floats, high: Floats) -> None:
     check_held(box.agent, step, declared, np.stack([low, high]), bounded_inputs=bool(inputs))
     box.x_lower[step] = np.fmax(box.x_lower[step], low)  # NaN is no knowledge
     box.x_upper[step] = np.fmin(box.x_upper[step], high)
-
-
-def finite_size(values: Floats) -> Floats:
-    """Absolute values, 0 for what is infinite or NaN: what a rounding error is measured by."""
-    return np.where(np.isfinite(values), np.abs(values), 0.0)
 
 
 def image(matrix: Floats, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:

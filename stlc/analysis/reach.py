@@ -10,10 +10,12 @@ rounding; a range that doubles can't hold is a located error, never an empty int
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import fsum, inf, isfinite
 
 import numpy as np
 
-from stlc.analysis.forward import ROUNDING, SLACK, Box, finite_size, image, start_box
+from stlc.analysis.doubles import finite_size
+from stlc.analysis.forward import ROUNDING, SLACK, Box, image, start_box
 from stlc.analysis.ranges import Ranges
 from stlc.analysis.unreachable import NoState
 from stlc.arrays import Floats
@@ -24,6 +26,7 @@ from stlc.mission import Mission
 _SWEEPS = 3
 _Known = dict[bytes, list[Floats]]  # intervals around a step, before and after they are narrowed
 _DUST = 4 * SLACK
+_TINY = 1e-290  # coefficients up to here may come of products that lost digits by underflow
 
 
 def propagate(boxes: Mapping[str, Box], musts: Sequence[tuple[Linear, float]]) -> None:
@@ -71,34 +74,40 @@ def _narrow(box: Box, matrix: Floats, step: int, known: _Known) -> None:
         part[:] = values
 
 
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")  # to ends that say nothing
 def _equalities(box: Box, matrix: Floats, step: int) -> None:
     """x_{t+1} = [A B] [x_t; u_t] + drift, both ways, all rows at once."""
     n = box.x_lower.shape[1]
     low = np.concatenate([box.x_lower[step], box.u_lower[step]])
     high = np.concatenate([box.x_upper[step], box.u_upper[step]])
-    with np.errstate(invalid="ignore", over="ignore"):  # as good as without bound
-        a = np.where(matrix == 0, 0.0, matrix * low)
-        b = np.where(matrix == 0, 0.0, matrix * high)
+    a = np.where(matrix == 0, 0.0, matrix * low)
+    b = np.where(matrix == 0, 0.0, matrix * high)
     least, most = np.minimum(a, b), np.maximum(a, b)
+    least[least == np.inf], most[most == -np.inf] = -np.inf, np.inf  # overflowed
     drift = box.agent.dynamics.drift
     next_low, next_high = box.x_lower[step + 1], box.x_upper[step + 1]
     size = (finite_size(least) + finite_size(most)).sum(axis=1) + np.abs(drift)
     rounding = ROUNDING * (size + finite_size(next_low) + finite_size(next_high))
-    np.maximum(next_low, least.sum(axis=1) + drift - SLACK - rounding, out=next_low)
-    np.minimum(next_high, most.sum(axis=1) + drift + SLACK + rounding, out=next_high)
-    rest_low = _without(least)
-    rest_high = _without(most)
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # to an infinite bound
-        room_high = (next_high - drift + rounding)[:, None] - rest_low
-        room_low = (next_low - drift - rounding)[:, None] - rest_high
-        x = room_low / matrix
-        y = room_high / matrix
-    lower = np.where(matrix > 0, x, np.where(matrix < 0, y, -np.inf))
-    upper = np.where(matrix > 0, y, np.where(matrix < 0, x, np.inf))
-    low = np.maximum(low, np.where(np.isnan(lower), -np.inf, lower).max(axis=0) - SLACK)
-    high = np.minimum(high, np.where(np.isnan(upper), np.inf, upper).min(axis=0) + SLACK)
+    slack = drift - SLACK - rounding, drift + SLACK + rounding
+    _meet_known(next_low, next_high, least.sum(axis=1) + slack[0], most.sum(axis=1) + slack[1])
+    x = ((next_low - drift - rounding)[:, None] - _without(most)) / matrix
+    y = ((next_high - drift + rounding)[:, None] - _without(least)) / matrix
+    lower = np.where(matrix > _TINY, x, np.where(matrix < -_TINY, y, -np.inf))
+    upper = np.where(matrix > _TINY, y, np.where(matrix < -_TINY, x, np.inf))
+    lower = np.where(np.isnan(lower) | (lower == np.inf), -np.inf, lower).max(axis=0) - SLACK
+    upper = np.where(np.isnan(upper) | (upper == -np.inf), np.inf, upper).min(axis=0) + SLACK
+    low, high = np.maximum(low, lower), np.minimum(high, upper)
     box.x_lower[step], box.u_lower[step] = low[:n], _whole(low[n:], box, np.ceil)
     box.x_upper[step], box.u_upper[step] = high[:n], _whole(high[n:], box, np.floor)
+
+
+def _meet_known(lower: Floats, upper: Floats, low: Floats, high: Floats) -> None:
+    """Intersect [lower, upper] with [low, high] in place, but for ends at which arithmetic broke.
+
+    A lower end of +inf, an upper one of -inf and NaN only come of overflow: they say nothing.
+    """
+    np.copyto(lower, np.maximum(lower, low), where=low < np.inf)
+    np.copyto(upper, np.minimum(upper, high), where=high > -np.inf)
 
 
 def _whole(values: Floats, box: Box, rounding: np.ufunc) -> Floats:
@@ -124,19 +133,22 @@ def _apply(boxes: Mapping[str, Box], predicate: Linear, level: float) -> None:
     for signal, value in predicate.terms:
         low, high = boxes[signal.owner].interval(signal.role, signal.shift, signal.index)
         spans.append(max(value * low, value * high))
-    total = sum(spans)
-    if not np.isfinite(total):
+    sizes = [abs(level), abs(predicate.constant), *map(abs, spans)]
+    if not isfinite(sum(sizes)):
         return
+    total, rounding = fsum(spans), ROUNDING * fsum(sizes)  # other orders would add up otherwise
     for (signal, value), most in zip(predicate.terms, spans, strict=True):
         edge = (level - predicate.constant - (total - most)) / value
-        slack = SLACK * max(1.0, abs(edge))
-        limits = (edge - slack, np.inf) if value > 0 else (-np.inf, edge + slack)
+        slack = SLACK * max(1.0, abs(edge)) + rounding / abs(value)
+        if abs(value) <= _TINY or not isfinite(edge):
+            continue
+        limits = (edge - slack, inf) if value > 0 else (-inf, edge + slack)
         boxes[signal.owner].narrow(signal.role, signal.shift, signal.index, *limits)
 
 
 def _check(box: Box, why: str) -> None:
     """InfeasibleError where an interval is empty by more than a solver's tolerance."""
-    gap = box.x_lower - box.x_upper - ROUNDING * finite_size(box.x_lower)
+    gap = _gap(box.x_lower, box.x_upper)
     if gap.size and gap.max() > 1e-6:
         step, index = np.unravel_index(int(gap.argmax()), gap.shape)
         name = box.agent.dynamics.states[int(index)]
@@ -145,9 +157,16 @@ def _check(box: Box, why: str) -> None:
             f"agent '{box.agent.name}' cannot keep {why}: no value of {name} is left at "
             f"step {int(step)}",
         )
-    u_gap = box.u_lower - box.u_upper
+    u_gap = _gap(box.u_lower, box.u_upper)
     if u_gap.size and u_gap.max() > 1e-6:
         raise InfeasibleError(f"agent '{box.agent.name}' has no input within its bounds")
+
+
+def _gap(lower: Floats, upper: Floats) -> Floats:
+    """How far intervals are from holding anything, beyond rounding; -inf where nobody knows."""
+    with np.errstate(invalid="ignore"):
+        gap = lower - upper - ROUNDING * finite_size(lower)
+    return np.where(np.isnan(gap), -np.inf, gap)
 
 
 def ranges_of(box: Box) -> Ranges:

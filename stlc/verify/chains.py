@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stlc.places import Track
-from stlc.verify.paths import Path
+from stlc.verify.paths import FINE, Path
 from stlc.verify.shapes import Body
 
 Array = NDArray[np.float64]
@@ -29,12 +29,14 @@ _ROUGH = np.linspace(0.0, 1.0, CHORDS + 1)
 class Chain:
     """Positions of a motion: for each step t < T a row of (times in [0, 1] (K,), places (K, 2)).
 
-    `rough` (T+1, CHORDS + 1, 2) is the same at fewer times, and within `stray` (T+1,) [m].
+    `rough` (T+1, CHORDS + 1, 2) is the same at fewer times, and within `stray` (T+1,) [m]. The
+    truth may be off by `room` (T+1,) [m], zero where the tolerance has room for it.
     """
 
     rows: tuple[tuple[Array, Array], ...]
     rough: Array
     stray: Array
+    room: Array
     _known: dict[int, tuple[Track, Array]] = field(default_factory=dict)
 
     @classmethod
@@ -48,7 +50,9 @@ class Chain:
         bends = np.hypot(*np.moveaxis(np.diff(rough, 2, axis=1), 2, 0)).max(axis=1) / 8.0
         rows = [_chords(path, t, float(bends[t])) for t in range(last)]
         rows.append((np.array([0.0, 1.0]), rest[0, :2]))
-        return cls(tuple(rows), rough, 2.0 * bends + STRAY)
+        room = path.room.reshape(-1, path.pieces).max(axis=1)
+        room = np.where(room <= FINE, 0.0, room)
+        return cls(tuple(rows), rough, 2.0 * bends + STRAY + room, room)
 
     @property
     def places(self) -> Array:

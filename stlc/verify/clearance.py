@@ -36,10 +36,11 @@ def outside(chain: Chain, body: Body, space: Polytope | None = None) -> Extremum
     all or near; in others it is a lower bound, within the sagitta of the rough chain.
     """
     value, where = chain.least(body) - body.grow, np.zeros(len(chain.rows))
-    known = np.where(np.isfinite(value), value + 2.0 * chain.stray, np.inf)
-    for t in np.flatnonzero(value <= max(SURE, float(known.min()))):
+    finite = np.isfinite(value)
+    known = (value[finite] + 2.0 * chain.stray[finite]).min(initial=np.inf)
+    for t in np.flatnonzero(value <= max(SURE, float(known))):
         value[t], where[t] = _of_step(chain, int(t), body, space, bool(value[t] > SURE))
-    return Extremum(value, where)
+    return Extremum(value - chain.room, where)
 
 
 def _of_step(
@@ -101,7 +102,7 @@ def inside(chain: Chain, body: Body) -> Extremum:
         relative = places - stay.start - times[:, None] * stay.move
         rows.append(_held(times, relative, *_stayed_in(stay.form)))
     values, where = np.array(rows).T
-    return Extremum(values, where)
+    return Extremum(values - chain.room, where)
 
 
 def at_steps(body: Body, places: Array, inside: bool, space: Polytope | None) -> Array:

@@ -33,8 +33,10 @@ def motion_violations(subject: Subject) -> Iterator[Violation]:
 def residual(agent: Agent, run: Run) -> Array:
     """|x(t+1) - A x(t) - B u(t) - drift| (T, n)."""
     model = agent.dynamics
-    predicted = run.states[:-1] @ model.A.T + run.inputs @ model.B.T + model.drift
-    return np.asarray(np.abs(run.states[1:] - predicted), dtype=np.float64)
+    with np.errstate(over="ignore", invalid="ignore"):  # NaN is as far off as infinity
+        predicted = run.states[:-1] @ model.A.T + run.inputs @ model.B.T + model.drift
+        gap = np.abs(run.states[1:] - predicted)
+    return np.asarray(np.where(np.isnan(gap), np.inf, gap), dtype=np.float64)
 
 
 def _worst(

@@ -120,7 +120,8 @@ def _robustness(subject: Subject, term: ObjectiveTerm, trace: Trace, *, faces: b
         for r in subject.mission.requirements
         if term.requirement in (None, r.name)
     ]
-    return min((float(v[0]) if len(v) else math.nan for v in values), default=math.nan)
+    firsts = [float(v[0]) if len(v) else math.nan for v in values]
+    return float(np.min(firsts)) if firsts else math.nan  # NaN where any is
 
 
 def objective_violations(

@@ -10,7 +10,7 @@ z = (x(s), u, 1). Integrators move on parabolas, so one piece of theirs is exact
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,8 +63,14 @@ class Path:
 
     def mapped(self, rows: Array) -> Path:
         """The motion of rows @ state, for two rows of length at most 1 in the plane."""
-        error = None if self.error is None else np.linalg.norm(self.error @ np.abs(rows.T), axis=1)
+        error = None if self.error is None else _mapped_error(self.error, rows)
         return Path(self.c0 @ rows.T, self.c1 @ rows.T, self.c2 @ rows.T, self.pieces, error)
+
+
+def _mapped_error(error: Array, rows: Array) -> Array:
+    """Error (steps,) in the plane of rows @ state; a weight of zero takes even an infinite one."""
+    parts = np.where(rows == 0.0, 0.0, error[:, None] * np.abs(np.where(rows == 0.0, 1.0, rows)))
+    return np.asarray(np.linalg.norm(parts.sum(axis=2), axis=1), dtype=np.float64)
 
 
 def is_known(model: Dynamics) -> bool:
@@ -118,13 +124,15 @@ def least_pieces(agent: Agent, run: Run, step: float) -> int:
 
 
 def state_path(agent: Agent, run: Run, step: float, pieces: int) -> Path:
-    """The motion of all states over (T+1) * pieces rows."""
+    """The motion of all states over (T+1) * pieces rows; of one that overflows between samples
+    the chords, off by anything."""
     flow = agent.dynamics.flow
     if flow is None or not len(run.inputs):
         return _chords(run, pieces)
     along = _samples(flow, run, step, 2 * pieces)
     first, middle, last = along[:, :-2:2], along[:, 1::2], along[:, 2::2]
-    c1, c2 = 4.0 * middle - 3.0 * first - last, 2.0 * (first + last) - 4.0 * middle
+    with np.errstate(all="ignore"):
+        c1, c2 = 4.0 * middle - 3.0 * first - last, 2.0 * (first + last) - 4.0 * middle
     error = _errors(flow, run, step, pieces)
     rest = np.zeros((pieces, run.states.shape[1]))
     stay = np.repeat(run.states[-1:], pieces, axis=0)
@@ -132,6 +140,8 @@ def state_path(agent: Agent, run: Run, step: float, pieces: int) -> Path:
         np.concatenate([_rows(a), b])
         for a, b in ((first, stay), (c1, rest), (c2, rest), (error, rest))
     )
+    if not all(np.isfinite(c).all() for c in (c0, c1, c2)):
+        return replace(_chords(run, pieces), error=np.full_like(error, np.inf))
     return Path(c0, c1, c2, pieces, error)
 
 
@@ -161,9 +171,10 @@ def _samples(flow: Flow, run: Run, step: float, count: int) -> Array:
     matrix = exponential(_augmented(flow) * (step / count))
     z = np.column_stack([run.states[:-1], run.inputs, np.ones(len(run.inputs))])
     out = np.empty((len(z), count + 1, n))
-    for k in range(count + 1):
-        out[:, k] = z[:, :n]
-        z = z @ matrix.T
+    with np.errstate(all="ignore"):  # `state_path` sees what isn't finite
+        for k in range(count + 1):
+            out[:, k] = z[:, :n]
+            z = z @ matrix.T
     return out
 
 
@@ -171,10 +182,10 @@ def _errors(flow: Flow, run: Run, step: float, pieces: int) -> Array:
     """Bound (T, pieces, n) on how far each piece's parabola is from the motion."""
     n, h = run.states.shape[1], step / pieces
     matrix = _augmented(flow)
-    third = np.linalg.matrix_power(matrix, 3)[:n]
-    if not third.any():
-        return np.zeros((len(run.inputs), pieces, n))
     with np.errstate(all="ignore"):
+        third = np.linalg.matrix_power(matrix, 3)[:n]
+        if not third.any():
+            return np.zeros((len(run.inputs), pieces, n))
         grown = np.abs(third) @ (exponential(np.abs(matrix) * h) - np.eye(len(matrix)))
     grown[np.isnan(grown)] = np.inf  # 0 times what overflows: no bound
     starts = _samples(flow, run, step, pieces)[:, :-1]

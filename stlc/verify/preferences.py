@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+
 from stlc.mission import Cap, Mission
 from stlc.preferences import Measure, Preference
 from stlc.verify.preference_report import PreferenceReport
@@ -21,15 +23,15 @@ def violation(preference: Preference, trace: Trace) -> Interval:
     The greatest is that for lengths by the faces of polygons, for which a model proves its bound.
     """
     ends = [_violation(preference, Evaluator(trace, faces=faces)) for faces in (False, True)]
-    return min(ends), max(ends)
+    return (math.nan, math.nan) if any(map(math.isnan, ends)) else (min(ends), max(ends))
 
 
 def _violation(p: Preference, evaluator: Evaluator) -> float:
     if p.measure is Measure.ROBUSTNESS:
         value = evaluator.robustness(p.formula)[:1]
-        return max(0.0, p.margin - float(value[0])) if len(value) else math.nan
+        return float(np.maximum(0.0, p.margin - value[0])) if len(value) else math.nan
     judged = [evaluator.robustness(part)[:1] for part in p.parts]
-    if not all(len(value) for value in judged):
+    if any(np.isnan(value).any() or not len(value) for value in judged):
         return math.nan
     return p.worth * sum(float(value[0]) < p.margin - TOLERANCE for value in judged)
 

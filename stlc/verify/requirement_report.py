@@ -36,7 +36,7 @@ class RequirementReport:
     def satisfied(self) -> bool:
         """Robustness, in continuous time where it is asked, reaches the margin less 1e-6."""
         value = self.robustness if self.swept is None else self.swept
-        if self.corners is not None and self.corners < self.margin - 1e-6:
+        if self.corners is not None and not self.corners >= self.margin - 1e-6:
             return False
         return value is not None and value >= self.margin - 1e-6
 

@@ -155,9 +155,9 @@ def requirement_violations(
             yield Violation("requirement", text, float("inf"), None, None, r.span)
         elif r.satisfied:
             continue
-        elif r.robustness < r.margin - TOLERANCE:
+        elif not r.robustness >= r.margin - TOLERANCE:  # NaN too: what overflows is not met
             yield _failure(r, r.robustness, "requirement", "")
-        elif r.corners is not None and r.corners < r.margin - TOLERANCE:
+        elif r.corners is not None and not r.corners >= r.margin - TOLERANCE:
             yield _failure(r, r.corners, "corners", " by the corners in the file")
         elif r.swept is not None:
             yield _failure(r, r.swept, "swept", " between samples")

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from stlc.analysis.reach import reach
+from stlc.analysis.forward import Box
+from stlc.analysis.reach import propagate, reach
 from stlc.api import loads
 from stlc.errors import InfeasibleError, MissionError
+from stlc.ir.nodes import Linear, Role, Signal
 from stlc.milp.compile import compile_mission
 from stlc.mission import Mission
 
@@ -103,3 +106,59 @@ require a: always[0, 3] r.px >= 99 m
     ranges = reach(loads(text))["r"]
     assert ranges.state_lower[3, 1] <= -3
     assert ranges.state_upper[3, 1] >= 3
+
+
+HUGE = """step 1 s
+horizon 3
+workspace box [0, 10] x [0, 10]
+dynamics k { A = [[1, 0], [0, ENTRY]]; B = [[1, 0], [0, 1]]; states px py }
+agent r : k { start (1, 2); control |u| <= 1 }
+require a: always[0, 3] r.x >= 0 m
+"""
+
+
+def test_a_step_that_overflows_is_a_located_error_and_not_infeasible() -> None:
+    with pytest.raises(MissionError) as caught:
+        compile_mission(loads(HUGE.replace("ENTRY", "1e308")))
+    (found,) = caught.value.diagnostics
+    assert (found.code, found.span is not None) == ("E0803", True)
+    assert "`py` of agent `r` can be inf at step 1" in str(caught.value)
+    with pytest.raises(InfeasibleError):
+        compile_mission(loads(HUGE.replace("ENTRY", "1e200")))
+
+
+def _box(matrix: list[list[float]], low: list[float], high: list[float]) -> Box:
+    """An agent's intervals at two steps, as wide as `low` and `high` say, inputs within 1."""
+    mission = loads(UNSTABLE.replace("START", "0").replace("BOUND", "").replace("50", "1"))
+    agent = mission.agents["r"]
+    agent = replace(agent, dynamics=replace(agent.dynamics, A=np.array(matrix)))
+    ends = (np.tile(np.array(end, dtype=float), (2, 1)) for end in (low, high))
+    return Box(agent, *ends, -np.ones((1, 2)), np.ones((1, 2)))
+
+
+@pytest.mark.parametrize(
+    ("matrix", "value"),
+    [
+        ([[1e200, 0.0], [0.0, 1.0]], [1e200, 0.0]),  # a product overflows
+        ([[1e308, 1e308], [0.0, 1.0]], [1.0, 1.0]),  # a sum does
+        ([[1e-320, 0.0], [0.0, 1.0]], [3.0, 0.0]),  # a product that lost its digits
+    ],
+)
+@pytest.mark.filterwarnings("error")
+def test_what_overflows_says_nothing(matrix: list[list[float]], value: list[float]) -> None:
+    box = _box(matrix, value, value)
+    box.x_lower[1], box.x_upper[1] = [-np.inf, -np.inf], [np.inf, np.inf]
+    propagate({"r": box}, [])
+    assert not np.isnan(np.concatenate([box.x_lower, box.x_upper])).any()
+    assert (box.x_lower[0] <= value).all()
+    assert (box.x_upper[0] >= value).all()
+    assert (box.x_lower[1] < np.inf).all()
+    assert (box.x_upper[1] > -np.inf).all()
+
+
+def test_a_demand_on_what_differs_much_in_size_cuts_no_point_off() -> None:
+    """The rest of a sum, worked out as the sum less one part, forgets what is small."""
+    box = _box([[1.0, 0.0], [0.0, 1.0]], [-1e16, -1.0], [1e16, 1.0])
+    px, py = (Signal("r", Role.STATE, index, 0) for index in (0, 1))
+    propagate({"r": box}, [(Linear(((px, 1.0), (py, 1.0)), 0.0, "m"), 0.5)])
+    assert box.x_lower[0, 0] <= -0.5  # where py is 1

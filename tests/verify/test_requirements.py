@@ -40,6 +40,8 @@ from stlc.plan import make_plan
 from stlc.radio.partition import uniform_grid
 from stlc.verify import verify
 from stlc.verify.link_models import CellModel, TrueModel
+from stlc.verify.requirement_report import RequirementReport
+from stlc.verify.requirements import requirement_violations
 from stlc.verify.subject import make_subject
 
 
@@ -237,3 +239,14 @@ def test_annotate_fills_the_plan():
     assert full.requirements[0].robustness == report.requirements[0].robustness
     assert full.links[0].values["rssi"] == pytest.approx(np.full(T + 1, mean(4)))
     assert full.certificate == {"rows": 1e-9, "verified": True, "notes": []}
+
+
+def test_a_value_that_is_no_number_meets_nothing():
+    there = mission([agent("r1", (1, 1))], horizon=1)
+    for report in (
+        RequirementReport("a", 0.0, math.nan),
+        RequirementReport("a", 0.0, 1.0, corners=math.nan),
+        RequirementReport("a", 0.0, 1.0, swept=math.nan),
+    ):
+        assert not report.satisfied
+        assert len(list(requirement_violations(there, [report]))) == 1
