@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Conflict", "Verdict", "explain"]
 
+_WHILE = (0.3, 10.0)  # part of the time, and s, for the whole before its parts
 _OPINION = 10.0  # s for the second solver
 
 
@@ -106,12 +107,26 @@ def begin(oracle: Oracle, proven: bool = False) -> Verdict | None:
     whole = oracle.mission.requirements
     if proven:
         oracle.note(whole, Verdict.INFEASIBLE)
-    verdict = oracle(whole)
+    verdict = _asked(oracle, whole)
     unseen = proven or verdict is not Verdict.INFEASIBLE  # agents that nothing is required of
     if unseen and oracle.everybody() is Verdict.INFEASIBLE:
         oracle.note((), Verdict.INFEASIBLE)
         return None
     return None if verdict is Verdict.INFEASIBLE else verdict
+
+
+def _asked(oracle: Oracle, whole: tuple[Requirement, ...]) -> Verdict:
+    """What is known of all requirements: at first by a solver for a while, then a few agents at a
+    time, then by the solver for as long as there is time."""
+    end = oracle.deadline
+    oracle.deadline = end.share(*_WHILE)
+    verdict = oracle(whole)
+    oracle.deadline = end
+    if verdict is not Verdict.UNKNOWN or end.over():
+        return verdict
+    if shrink.is_local(oracle, whole):
+        oracle.note(whole, Verdict.INFEASIBLE)
+    return oracle(whole)
 
 
 def conflict_of(oracle: Oracle, requirements: tuple[Requirement, ...]) -> Conflict:

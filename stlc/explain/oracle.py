@@ -100,7 +100,9 @@ class Oracle:
         question = Question(frozenset(pieces), frozenset(free))
         verdict = self._settled(question)
         if verdict is None:
-            verdict = self._known[question] = self._answer(question)
+            verdict = self._answer(question)
+            if verdict is not Verdict.UNKNOWN:  # more time may tell
+                self._known[question] = verdict
         if verdict is Verdict.UNKNOWN:
             self.sure, self.open = False, self.open + 1
         return verdict

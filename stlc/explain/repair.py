@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 
 from stlc.channels import TableMemo
 from stlc.errors import InfeasibleError, MissionError, NoPlanError, SolverError
+from stlc.explain import shrink
 from stlc.explain.conflict import Conflict, conflict_of
 from stlc.explain.edits import Change, Replacement, Step, edits, patched, traced
 from stlc.explain.knobs import Knob, knobs
@@ -30,6 +31,7 @@ Load = Callable[[str], Mission]
 """A mission from a changed text, read as the file was; MissionError where the text is wrong."""
 
 _PATIENCE = 10.0  # s for one question: a change that is so hard to judge is none to offer
+_PLANNING = 30.0  # s for a plan of a changed mission
 _ROUNDS = 4  # conflicts that are ended one after the other
 _FIRST = (1.0, 1.3, 1.7, 2.5, 4.0, 16.0)  # parts of the longest way at which a knob is tried first
 
@@ -101,12 +103,13 @@ class Repairer:
             changed = self._loaded(mission, made)
             if changed is None:
                 return None
-            verdict = self._planned(changed)
+            oracle = Oracle(changed, self.backend, self.deadline, self.grace)
+            local = shrink.is_local(oracle, changed.requirements)
+            verdict = Verdict.INFEASIBLE if local else self._planned(changed)
             if verdict is Verdict.FEASIBLE:
                 return self._polished(mission, made)
             if verdict is Verdict.UNKNOWN:
                 return None
-            oracle = Oracle(changed, self.backend, self.deadline, self.grace)
             found = conflict_of(oracle, changed.requirements)
             rest = self._steps(mission, made, changed, found)
             if not rest:
@@ -130,7 +133,10 @@ class Repairer:
     def _planned(self, mission: Mission) -> Verdict:
         """Whether the changed mission gives a certified and verified plan."""
         settings = SolveSettings(
-            self.backend, time_limit=self.deadline.limit, gap=1.0, grace=self.grace
+            self.backend,
+            time_limit=self.deadline.share(0.5, _PLANNING).limit,
+            gap=1.0,
+            grace=self.grace,
         )
         try:
             solve_mission(replace(mission, objective=(), preferences=()), settings)

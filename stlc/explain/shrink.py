@@ -81,11 +81,22 @@ def _near(oracle: Oracle, pieces: Pieces, focus: frozenset[str]) -> Pieces:
     rings = []
     if focus:
         rings += [focus, focus.union(*(a for a in about.values() if focus & a))]
-    for agents in (*rings, *_groups(about.values())):
+    for agents in (*rings, *sorted(set(about.values()), key=len), *_groups(about.values())):
         near = tuple(p for p in pieces if about[p] <= agents)
         if 0 < len(near) < len(pieces) and oracle.infeasible(near):
             return near
     return pieces
+
+
+def is_local(oracle: Oracle, requirements: Pieces) -> bool:
+    """Whether a few agents that some condition speaks of already cannot do what is asked of them:
+    found in moments where a solver takes long over the whole."""
+    pieces = tuple(dict.fromkeys(p for r in requirements for p in conjuncts(r)))
+    about = {piece: oracle.agents([piece]) for piece in pieces}
+    return any(
+        oracle.infeasible([p for p in pieces if about[p] <= agents])
+        for agents in sorted(set(about.values()), key=len)
+    )
 
 
 def _groups(sets: Iterable[frozenset[str]]) -> list[frozenset[str]]:
