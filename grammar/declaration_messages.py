@@ -88,10 +88,10 @@ DECLARATIONS: Final[tuple[Message, ...]] = (
     ),
     Message(
         ("region g = polygon (1, 2), (2, 3)", "region g = goal1 3", "region g = goal1 goal2",
-         "workspace box [0, 1] x [0, 1] x [0, 1]"),
+         "workspace box [0, 1] x [0, 1] x [0, 1] x [0, 1]"),
         "unexpected `{found}` after a shape",
         "the shape is complete before this",
-        "corners follow each other without commas; shapes are joined by `+`; there are two axes",
+        "corners follow each other without commas; shapes are joined by `+`; there are three axes",
         any_token=True,
     ),
     Message(

@@ -37,7 +37,7 @@ class Region:
     """Union of convex pieces.
 
     `outlines` are the polygons as written; `barrier` are pieces to keep out of, whose seams are
-    closed (`stlc/sema/seams.py`).
+    closed (`stlc/sema/seams.py`). `heights` [m] are those it lies between; None for all.
     """
 
     name: str
@@ -45,6 +45,7 @@ class Region:
     span: Span | None = None
     outlines: tuple[Outline, ...] = ()
     barrier: tuple[Polytope, ...] = ()
+    heights: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +76,8 @@ class Obstacle:
 
     `frames` are inflated by `inflate` metres; `bodies` are the same frames before inflation.
     `barrier[t]` are the frames with closed seams, to keep out of at step t, and `sweeps[t]` what
-    to keep out of from t to t + 1; `track` is what the file says.
+    to keep out of from t to t + 1; `track` is what the file says, and `heights` [m] those it lies
+    between before it is inflated, None for all.
     """
 
     name: str
@@ -86,3 +88,4 @@ class Obstacle:
     track: Track | None = None
     barrier: tuple[tuple[Polytope, ...], ...] = ()
     sweeps: tuple[Sweep, ...] = ()
+    heights: tuple[float, float] | None = None

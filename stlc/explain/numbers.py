@@ -164,6 +164,10 @@ def _places(file: Source, formula: Node) -> Iterator[Number]:
 
 
 def _box(shape: ast.Shape, of: Of) -> Iterator[Number]:
+    if isinstance(shape, ast.Prism):
+        yield from _box(shape.base, of)
+        for end in shape.z:
+            yield from number(end, of)
     if isinstance(shape, ast.Box):
         for end in (*shape.x, *shape.y):
             yield from number(end, of)

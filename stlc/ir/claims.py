@@ -41,10 +41,11 @@ class Swept:
 class Membership:
     """The meaning behind a node that says of a sample that it is in, or outside, a place.
 
-    `subject` is an agent or a station, or the two coordinates of a point; `place` names an obstacle
-    or region of the file. The verifier judges it by the corners in the file, beside the node.
+    `subject` is an agent or a station, or the two or three coordinates of a point; `place` names an
+    obstacle or region of the file. The verifier judges it by the corners in the file, beside the
+    node.
     """
 
     inside: bool
-    subject: str | tuple[Linear, Linear]
+    subject: str | tuple[Linear, ...]
     place: str

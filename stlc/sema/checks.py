@@ -12,11 +12,12 @@ from stlc.mission import Agent, Mission
 from stlc.places import Obstacle, Polytope
 from stlc.sema import geometry
 from stlc.sema.gaps import narrow_gaps
+from stlc.sema.heights import EVERY, kept_from
 from stlc.sema.objective_errors import NeverTrue
 from stlc.sema.scope import Scope
 from stlc.sema.shape_errors import OutsideWorkspace, StartInObstacle, StartMisplaced
 from stlc.sema.static_range import StaticRange, boxes
-from stlc.sema.values import Radio
+from stlc.sema.values import Place, Radio
 from stlc.sema.warnings import (
     AlwaysTrue,
     NeverFromStart,
@@ -109,6 +110,10 @@ def _inside(agent: Agent, obstacle: Obstacle) -> bool:
     rows = agent.dynamics.position
     assert rows is not None, "only agents with a position are kept out of obstacles"
     place = np.asarray(rows @ agent.start)
+    low, high = kept_from(Place(obstacle).heights or EVERY, agent)
+    row = agent.dynamics.altitude
+    if not low < (0.0 if row is None else float(row @ agent.start)) < high:
+        return False
     return any(geometry.contains(piece, place, TOLERANCE) for piece in obstacle.barrier[0])
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stlc.mission import Agent
+from stlc.mission import Agent, Station
 from stlc.sema import props
 from stlc.sema.channel_errors import BadChannel
 from stlc.sema.report import Mistake
@@ -17,10 +18,37 @@ if TYPE_CHECKING:
     from stlc.radio.gp import ChannelModel
 
 Ends = tuple[float, float]
+Levels = tuple[float, float]
 
 THIN = 1e-3
 """Half the height [m] of a layer for agents that all keep to one height: thin enough to matter to
 no link, far above what positions are judged to."""
+
+
+EVERY: Levels = (-inf, inf)
+"""A column of every height."""
+
+TOUCH = 1e-6
+"""Heights this near touch [m]: the tolerance of every judgement."""
+
+
+def kept_from(levels: Levels, thing: Agent | Station) -> Levels:
+    """The heights that something keeps out of, for an obstacle between `levels` [m].
+
+    There is no way of no height: an obstacle that reaches the lowest height of an agent goes on
+    below it, and so above its highest. On the ground an obstacle is met if it stands there.
+    """
+    if isinstance(thing, Station):
+        return levels
+    row = thing.dynamics.altitude
+    if row is None:
+        return EVERY if levels[0] <= TOUCH and levels[1] > TOUCH else levels
+    k = int(np.argmax(row))
+    low, high = float(thing.state_lower[k]), float(thing.state_upper[k])
+    return (
+        -inf if levels[0] <= low + TOUCH else levels[0],
+        inf if levels[1] >= high - TOUCH else levels[1],
+    )
 
 
 def flying(scope: Scope) -> tuple[Agent, ...]:

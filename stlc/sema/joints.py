@@ -15,21 +15,21 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 
-import numpy as np
-
 from stlc.ir.nodes import Always, And, Eventually, Implies, Node, Or, Release, Until
 from stlc.ir.requirement import Requirement
 from stlc.ir.rewrite import with_children
-from stlc.places import Sweep
-from stlc.sema.junctions import meeting, plugs_between, touching
-from stlc.sema.members import point
+from stlc.mission import Agent
+from stlc.sema.heights import EVERY, TOUCH, Levels, kept_from
+from stlc.sema.junctions import touching
+from stlc.sema.members import flies, point
 from stlc.sema.membership import keep
+from stlc.sema.plugs import Sweeps, box_of, plugs_of_three, plugs_of_two
+from stlc.sema.report import Mistake
 from stlc.sema.scope import Scope
-from stlc.sema.tracks import lasting
+from stlc.sema.space_errors import NotInSpace
 from stlc.sema.values import Place, Radio
 from stlc.source import Span
 
-Sweeps = tuple[Sweep, ...]
 Window = tuple[float, float]
 _Key = tuple[str, int, bool]  # agent, shape, swept
 
@@ -45,7 +45,16 @@ class _Avoided:
 
 
 def joined(requirements: Sequence[Requirement], scope: Scope) -> list[Requirement]:
-    """The requirements, with the seams between touching obstacles closed."""
+    """The requirements, with the seams between touching obstacles closed.
+
+    As they are where one of these can't be closed, which is reported.
+    """
+    with scope.report.guard():
+        return _joined(requirements, scope)
+    return list(requirements)
+
+
+def _joined(requirements: Sequence[Requirement], scope: Scope) -> list[Requirement]:
     joints = _Joints(scope, dict(_known(scope)))
     found = [replace(r, formula=joints.closed(r.formula)) for r in requirements]
     seams = joints.between([joints.avoided(r.formula) for r in found])
@@ -163,7 +172,7 @@ class _Joints:
         """For each shape those whose boxes it touches at any time."""
         if not self.neighbours:
             shapes = {id(k.place.shape): k.place for k in self.known.values()}
-            self.neighbours.update(touching({key: _box(p) for key, p in shapes.items()}))
+            self.neighbours.update(touching({key: box_of(p) for key, p in shapes.items()}))
         return self.neighbours
 
     def _conditions(self, kept: Sequence[_Kept]) -> list[Node]:
@@ -171,15 +180,17 @@ class _Joints:
         windows = kept[0].windows
         for other in kept[1:]:
             windows = _common(windows, other.windows)
-        plugs = self._plugs(kept) if windows else []
-        if not plugs:
+        levels = _levels([k.avoided for k in kept]) if windows else None
+        plugs = self._plugs(kept) if levels is not None else []
+        if not plugs or levels is None:
             return []
         first, last = kept[0].avoided, kept[1].avoided
         span = first.span or last.span
         assert span is not None, "a condition of the file has its place in it"
-        x, y, *_ = point(first.agent, span)
-        where, swept = (x, y), all(k.avoided.swept for k in kept)
-        parts = tuple(keep(where, sweeps, False, swept, self.scope, span) for sweeps in plugs)
+        where, swept = point(first.agent, span), all(k.avoided.swept for k in kept)
+        parts = tuple(
+            keep(where, sweeps, False, swept, self.scope, span, levels) for sweeps in plugs
+        )
         node = parts[0] if len(parts) == 1 else And(parts, span=span)
         return [_within(node, *window) for window in windows]
 
@@ -189,7 +200,9 @@ class _Joints:
         if key not in self.plugs:
             places = [k.avoided.place for k in kept]
             two = len(places) == 2
-            self.plugs[key] = _plugs(places[0], places[1], swept) if two else _middle(places, swept)
+            self.plugs[key] = (
+                plugs_of_two(places[0], places[1], swept) if two else plugs_of_three(places, swept)
+            )
         return self.plugs[key]
 
 
@@ -204,6 +217,23 @@ def _new(root: Node, known: Mapping[Node, object]) -> Iterator[Node]:
             todo.pop()
             if node not in known:
                 yield node
+
+
+def _levels(avoided: Sequence[_Avoided]) -> Levels | None:
+    """The heights that places have in common for an agent [m], None where they have none.
+
+    Mistake where one stands on another: the seam between them would be a way.
+    """
+    thing = avoided[0].agent.thing
+    each = [kept_from(a.place.heights or EVERY, thing) for a in avoided]
+    low, high = max(e[0] for e in each), min(e[1] for e in each)
+    if abs(high - low) <= TOUCH and isinstance(thing, Agent) and flies(avoided[0].agent):
+        names = " and ".join(f"`{a.place.shape.name}`" for a in avoided)
+        problem = f"{names} touch at the height {low:g} m, and `{thing.name}` keeps out of both"
+        hint = "let their heights overlap by a millimetre or more, or leave a gap"
+        span = avoided[-1].span or avoided[0].span
+        raise Mistake(NotInSpace(span=span, problem=problem, hint=hint))
+    return (low, high) if low < high else None
 
 
 def _within(node: Node, start: float, end: float) -> Node:
@@ -246,47 +276,3 @@ def _kept(a: _Kept, shapes: Iterable[int], among: Mapping[_Key, _Kept]) -> Itera
             found = among.get((a.avoided.agent.name, shape, swept))
             if found is not None:
                 yield found
-
-
-def _box(place: Place) -> tuple[float, float, float, float]:
-    """Least and greatest coordinates of a place over all times [m]."""
-    pieces = [p.vertices for frame in place.barriers for p in frame]
-    for sweep in place.sweeps:
-        pieces += [p.vertices + by for p in sweep.pieces for by in (np.zeros(2), sweep.move)]
-    corners = np.vstack(pieces)
-    (x0, y0), (x1, y1) = corners.min(axis=0), corners.max(axis=0)
-    return float(x0), float(y0), float(x1), float(y1)
-
-
-def _steps(places: Sequence[Place], swept: bool) -> Iterator[list[Sweep]]:
-    """What to keep out of at each step, the last one staying."""
-    tracks = [p.sweeps if swept else tuple(Sweep(pieces) for pieces in p.barriers) for p in places]
-    for t in range(max(map(len, tracks))):
-        yield [track[min(t, len(track) - 1)] for track in tracks]
-
-
-def _plugs(a: Place, b: Place, swept: bool) -> list[Sweeps]:
-    """Plugs at each step, in the frame of either where the two move differently until the next."""
-    found = []
-    for x, y in _steps((a, b), swept):
-        if np.abs(np.subtract(x.move, y.move)).max() <= 1e-9:
-            found.append((Sweep(plugs_between(x.pieces, y.pieces), x.move), Sweep(())))
-        else:
-            found.append((_carried(x, y), _carried(y, x)))
-    return [sweeps for sweeps in zip(*found, strict=True) if any(s.pieces for s in sweeps)]
-
-
-def _middle(places: Sequence[Place], swept: bool) -> list[Sweeps]:
-    """Plugs where three places meet in a point, at the steps at which they move alike."""
-    found = []
-    for sweeps in _steps(places, swept):
-        moves = np.array([s.move for s in sweeps])
-        plugs = meeting(*(s.pieces for s in sweeps)) if np.ptp(moves, axis=0).max() <= 1e-9 else ()
-        found.append(Sweep(plugs, sweeps[0].move))
-    return [tuple(found)] if any(s.pieces for s in found) else []
-
-
-def _carried(one: Sweep, other: Sweep) -> Sweep:
-    """Plugs that move with the first, over what stays in contact until the next step."""
-    away = np.subtract(other.move, one.move)
-    return Sweep(plugs_between(one.pieces, lasting(other.pieces, away)), one.move)

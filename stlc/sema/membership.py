@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import isfinite
 
 import numpy as np
 
@@ -11,12 +12,14 @@ from stlc.ir.claims import Membership
 from stlc.ir.nodes import And, Const, Linear, Motion, Node, Or, Swept, Timed
 from stlc.places import Polytope, Sweep
 from stlc.sema.compare import at_least_zero
+from stlc.sema.heights import EVERY, Levels, kept_from
 from stlc.sema.members import point
 from stlc.sema.name_errors import NotNegatable, WrongKind
 from stlc.sema.report import Mistake
 from stlc.sema.scalars import add, scale
 from stlc.sema.scope import Scope, as_scalar
 from stlc.sema.shape_errors import NoSwept
+from stlc.sema.space_errors import NotInSpace
 from stlc.sema.swept import parts_of, sweep_part
 from stlc.sema.units import METRE
 from stlc.sema.values import Env, Items, Place, Radio, Scalar, Value, describe
@@ -58,10 +61,16 @@ def _is_point(items: Items) -> bool:
 
 def _against(subject: Value, place: Place, expr: ast.Membership, scope: Scope) -> Node:
     """One point or number pair against one place, with the claim that the verifier judges."""
-    x, y, *_ = point(subject, expr.subject.span)
-    where = (x, y)
+    where = point(subject, expr.subject.span)
+    if len(where) == 2 and place.heights is not None:
+        problem = f"this point has no height, and {describe(place)} has"
+        hint = f"write a third coordinate: `{expr.subject.span.text.rstrip(')')}, 0 m)`"
+        raise Mistake(NotInSpace(span=expr.subject.span, problem=problem, hint=hint))
     sweeps, inside = _sweeps(place, expr), expr.relation == "in"
-    node = keep(where, sweeps, inside, expr.swept, scope, expr.span)
+    levels = place.heights or EVERY
+    if not inside and isinstance(subject, Radio):
+        levels = kept_from(levels, subject.thing)
+    node = keep(where, sweeps, inside, expr.swept, scope, expr.span, levels)
     if not expr.swept:
         who = subject.name if isinstance(subject, Radio) else _coordinates(where, expr.span)
         claim = None if who is None else Membership(inside, who, place.shape.name)
@@ -71,15 +80,15 @@ def _against(subject: Value, place: Place, expr: ast.Membership, scope: Scope) -
         return replace(node, swept=Swept(motion, subject.name, place=place.shape.name))
     if len(sweeps) > 1:
         return node  # of what moves, claims speak of agents alone
-    still = keep(where, sweeps, inside, False, scope, expr.span)
+    still = keep(where, sweeps, inside, False, scope, expr.span, levels)
     return replace(node, swept=Swept(Motion.CONDITION, condition=still))
 
 
-def _coordinates(where: tuple[Scalar, Scalar], span: Span) -> tuple[Linear, Linear] | None:
+def _coordinates(where: tuple[Scalar, ...], span: Span) -> tuple[Linear, ...] | None:
     """A point's coordinates as linear forms of signals; None where they are no such."""
     nodes = [at_least_zero(s, span, positive=True) for s in where]
-    x, y = nodes
-    return (x, y) if isinstance(x, Linear) and isinstance(y, Linear) else None
+    linear = tuple(node for node in nodes if isinstance(node, Linear))
+    return linear if len(linear) == len(nodes) else None
 
 
 def _sweeps(place: Place, expr: ast.Membership) -> tuple[Sweep, ...]:
@@ -109,19 +118,25 @@ def _whole_move(place: Place, step: int) -> tuple[float, float] | None:
 
 
 def keep(
-    where: tuple[Scalar, Scalar],
+    where: tuple[Scalar, ...],
     sweeps: Sequence[Sweep],
     inside: bool,
     swept: bool,
     scope: Scope,
     span: Span,
+    levels: Levels = EVERY,
 ) -> Node:
-    """Be within one of the pieces, or out of all, at each step or (`swept`) until the next."""
+    """Be within one of the pieces, or out of all, at each step or (`swept`) until the next.
+
+    Pieces lie between `levels` of height [m].
+    """
     join = Or if inside else And
     cases: list[Node] = []
     for stay in sweeps:
         parts = tuple(
-            half_planes(where, piece, inside, span, _Motion(stay.move, scope) if swept else None)
+            half_spaces(
+                where, piece, inside, span, _Motion(stay.move, scope) if swept else None, levels
+            )
             for piece in stay.pieces
         )
         if not parts:
@@ -139,14 +154,18 @@ class _Motion:
     scope: Scope
 
 
-def half_planes(
-    where: tuple[Scalar, Scalar],
+def half_spaces(
+    where: tuple[Scalar, ...],
     piece: Polytope,
     inside: bool,
     span: Span,
     motion: _Motion | None = None,
+    levels: Levels = EVERY,
 ) -> Node:
-    """Inside: on the inner side of every face. Outside: on the outer side of some face."""
+    """Inside: on the inner side of every face. Outside: on the outer side of some face.
+
+    Faces are those of a prism over the piece, between `levels` where they are finite [m].
+    """
     sign = 1.0 if inside else -1.0
     faces = []
     for (nx, ny), offset in zip(piece.normals, piece.offsets, strict=True):
@@ -157,10 +176,15 @@ def half_planes(
         )
         depth = add(depth, Scalar(sign * float(offset), unit=METRE), span)
         faces.append(at_least_zero(depth, span, positive=True))
+    for end, up in zip(levels, (sign, -sign), strict=True):
+        if isfinite(end):
+            beyond = add(scale(where[2], up, METRE), Scalar(-up * end, unit=METRE), span)
+            faces.append(at_least_zero(beyond, span, positive=True))
     join = And if inside else Or
     if motion is None:
         return join(tuple(faces), span=span)
     changes = [sign * float(normal @ motion.move) for normal in piece.normals]
+    changes += [0.0] * (len(faces) - len(changes))
     return _until_next(join, faces, changes, motion.scope, span)
 
 

@@ -18,6 +18,7 @@ from stlc.sema.name_errors import NotHere, TooLarge, WrongKind
 from stlc.sema.report import Mistake, Reported
 from stlc.sema.scope import Scope
 from stlc.sema.shape_errors import BadPolygon, EmptyBox, FarAway
+from stlc.sema.space_errors import NotInSpace
 from stlc.sema.units import METRE, SPEED, Unit
 from stlc.sema.values import Items, Place, Scalar, describe
 from stlc.source import Span
@@ -50,6 +51,8 @@ class Shaper:
                 ring = tuple(self.point(e) for e in shape.ring)
                 holes = tuple(tuple(self.point(e) for e in hole) for hole in shape.holes)
                 return (self._checked(Outline(ring, holes), shape.span),)
+            case ast.Prism():
+                return self.outlines(shape.base)
             case ast.Union():
                 return tuple(o for part in shape.parts for o in self.outlines(part))
             case ast.NamedShape():
@@ -99,6 +102,38 @@ class Shaper:
             raise Mistake(EmptyBox(span=span, axis=axis, low=low, high=high))
         return low, high
 
+    def heights(self, shape: ast.Shape) -> Point | None:
+        """The heights that a shape lies between [m], None for a column of every height.
+
+        Mistake where its parts lie between different ones: the seams between these aren't closed.
+        """
+        match shape:
+            case ast.Prism():
+                if self.heights(shape.base) is not None:
+                    problem, hint = "this shape has heights of its own", "leave out one of the two"
+                    raise Mistake(NotHere(span=shape.span, problem=problem, hint=hint))
+                return self._extent(shape.z, "z")
+            case ast.Union():
+                return self._common([self.heights(part) for part in shape.parts], shape.span)
+            case ast.Moving():
+                return self._common([self.heights(part) for _, part in shape.frames], shape.span)
+            case ast.NamedShape():
+                return self._heights_of(shape.name)
+        return None
+
+    def _common(self, found: Sequence[Point | None], span: Span) -> Point | None:
+        if len(set(found)) > 1:
+            problem = "parts of one shape lie between different heights"
+            hint = "declare a shape of its own for each range of heights"
+            raise Mistake(NotInSpace(span=span, problem=problem, hint=hint))
+        return found[0]
+
+    def _heights_of(self, name: ast.Ident) -> Point | None:
+        value = self.scope.lookup(name.text, name.span)
+        if isinstance(value, ast.RegionDecl | ast.ObstacleDecl):
+            return self.heights(value.shape)
+        return value.shape.heights if isinstance(value, Place) else None
+
     def point(self, expr: ast.Expr) -> Point:
         """A pair of constants [m]."""
         return self._pair(expr, METRE, "a point `(x, y)`")
@@ -141,7 +176,7 @@ class Shaper:
         """Declare a region."""
         name = statement.name.text
         try:
-            outlines = self.outlines(statement.shape)
+            outlines, heights = self.outlines(statement.shape), self.heights(statement.shape)
             pieces = cut(outlines, statement.shape.span)
             with _countable(statement.span):
                 inner = seams.overlapping(pieces)
@@ -149,7 +184,7 @@ class Shaper:
         except (Mistake, Reported):
             self.scope.broken.add(name)
             raise
-        region = Region(name, inner, statement.name.span, outlines, outer)
+        region = Region(name, inner, statement.name.span, outlines, outer, heights)
         self.scope.regions[name] = region
         self.scope.values[name] = Place(region)
 
@@ -158,6 +193,7 @@ class Shaper:
         name = statement.name.text
         try:
             track = self.track(statement)
+            self.heights(statement.shape)
             self.place(name, track, self._inflation(statement), statement)
         except (Mistake, Reported):
             self.scope.broken.add(name)
@@ -174,7 +210,8 @@ class Shaper:
             closings = tracks.barriers(frames, space)
             sweeps = tracks.sweeps(outlines, frames, closings, grow, space)
         at = statement.name.span
-        obstacle = Obstacle(name, frames, bodies, grow, at, track, closings, sweeps)
+        heights = self.heights(statement.shape)
+        obstacle = Obstacle(name, frames, bodies, grow, at, track, closings, sweeps, heights)
         self.scope.obstacles[name] = obstacle
         self.scope.values[name] = Place(obstacle)
 

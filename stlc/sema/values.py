@@ -114,6 +114,14 @@ class Place:
     shape: Region | Obstacle
 
     @property
+    def heights(self) -> tuple[float, float] | None:
+        """Between which heights it lies, inflation included [m]; None for all."""
+        shape, grow = self.shape, 0.0
+        if isinstance(shape, Obstacle):
+            grow = shape.inflate
+        return shape.heights and (shape.heights[0] - grow, shape.heights[1] + grow)
+
+    @property
     def frames(self) -> tuple[tuple[Polytope, ...], ...]:
         """Pieces at each step, to be in; the last frame stays."""
         return self.shape.frames if isinstance(self.shape, Obstacle) else (self.shape.pieces,)

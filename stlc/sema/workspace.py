@@ -13,6 +13,7 @@ from stlc.sema.report import Mistake
 from stlc.sema.scope import Scope
 from stlc.sema.shape_errors import NotConvex
 from stlc.sema.shapes import Shaper
+from stlc.sema.space_errors import NotInSpace
 from stlc.sema.swept import known_curve, known_degree
 from stlc.syntax import ast
 
@@ -31,6 +32,10 @@ def declare_workspace(statement: ast.Workspace | None, text: str, shaper: Shaper
         if len(pieces) != 1:
             raise Mistake(NotConvex(span=statement.shape.span))
         scope.workspace, scope.unread_workspace = pieces[0], False
+        if shaper.heights(statement.shape) is not None:
+            problem = "a workspace is of the plane"
+            hint = "bound the heights of agents: `pz in [0, 50]`"
+            raise Mistake(NotInSpace(span=statement.shape.span, problem=problem, hint=hint))
 
 
 def holds_between(

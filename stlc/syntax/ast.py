@@ -77,6 +77,9 @@ from stlc.syntax.nodes import (
     PolygonShape as PolygonShape,
 )
 from stlc.syntax.nodes import (
+    Prism as Prism,
+)
+from stlc.syntax.nodes import (
     Quantifier as Quantifier,
 )
 from stlc.syntax.nodes import (

@@ -105,6 +105,9 @@ class StatementBuilder(ExprBuilder):
         shape: ast.Shape = c[0]
         return shape
 
+    def prism(self, start: int, end: int, c: Children) -> ast.Shape:
+        return ast.Prism(self.span(start, end), c[0], c[1])
+
     def union(self, start: int, end: int, c: Children) -> ast.Shape:
         return ast.Union(self.span(start, end), tuple(c))
 

@@ -234,6 +234,13 @@ class Moving(Shape):
     linear: bool = False
 
 
+class Prism(Shape):
+    """`box [x0, x1] x [y0, y1] x [z0, z1]`: a shape of the plane between two heights."""
+
+    base: Shape
+    z: tuple[Expr, Expr]
+
+
 class Union(Shape):
     """`shape + shape`."""
 

@@ -23,6 +23,8 @@ def show_shape(shape: ast.Shape) -> str:
             frames = (f"{show(when)}: {show_shape(where)}" for when, where in shape.frames)
             end = " linear" if shape.linear else ""
             return f"moving {{ {'; '.join(frames)} }}{end}"
+        case ast.Prism():
+            return f"{_part(shape.base)} x [{show_list(shape.z)}]"
         case ast.Union():
             return " + ".join(_part(part) for part in shape.parts)
         case _:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,33 +32,43 @@ class Chain:
 
     `rough` (T+1, CHORDS + 1, 2) is the same at fewer times, and within `stray` (T+1,) [m]. The
     truth may be off by `room` (T+1,) [m], zero where the tolerance has room for it.
+    `heights` are those at the times of each row (K,) [m].
     """
 
     rows: tuple[tuple[Array, Array], ...]
     rough: Array
     stray: Array
     room: Array
+    heights: tuple[Array, ...] = ()
     _known: dict[int, tuple[Track, Array]] = field(default_factory=dict)
 
     @classmethod
     def of(cls, path: Path) -> Chain:
         """The chords of a motion; its last row, where it rests, is one point."""
-        last = len(path) - 1
-        rough = np.stack([_within(path, t, _ROUGH) for t in range(last)] or [np.empty((0, 2))])
+        last, width = len(path) - 1, path.c0.shape[1]
+        rough = np.stack([_within(path, t, _ROUGH) for t in range(last)] or [np.empty((0, width))])
         rest = np.tile(path.at(np.array([float(last)])), (1, CHORDS + 1, 1))
         rough = np.concatenate([rough, rest]) if last else rest
         # Of 16 chords, a second difference d means a sagitta of d / 8 each.
-        bends = np.hypot(*np.moveaxis(np.diff(rough, 2, axis=1), 2, 0)).max(axis=1) / 8.0
+        second = np.moveaxis(np.diff(rough, 2, axis=1), 2, 0)
+        bends = reduce(np.hypot, second).max(axis=1) / 8.0
         rows = [_chords(path, t, float(bends[t])) for t in range(last)]
         rows.append((np.array([0.0, 1.0]), rest[0, :2]))
+        flat = tuple((times, places[:, :2]) for times, places in rows)
+        heights = tuple(places[:, 2] if width == 3 else np.zeros(len(places)) for _, places in rows)
         room = path.room.reshape(-1, path.pieces).max(axis=1)
         room = np.where(room <= FINE, 0.0, room)
-        return cls(tuple(rows), rough, 2.0 * bends + STRAY + room, room)
+        return cls(flat, rough[:, :, :2], 2.0 * bends + STRAY + room, room, heights)
 
     @property
     def places(self) -> Array:
         """Where it is at each step (T+1, 2) [m]."""
         return self.rough[:, 0]
+
+    @property
+    def levels(self) -> Array:
+        """Its height at each step (T+1,) [m]."""
+        return np.array([heights[0] for heights in self.heights])
 
     def least(self, body: Body) -> Array:
         """At most the distance to the polygons as in the file, by step (T+1,) [m].

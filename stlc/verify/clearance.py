@@ -7,18 +7,18 @@ move unlike each other is judged at `INSTANTS` times of the step.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stlc.places import Polytope
+from stlc.verify.barriers import Out, kept_out
 from stlc.verify.chains import CHORDS, Chain
 from stlc.verify.continuous import Extremum
-from stlc.verify.shapes import Body, Form, Stay
-from stlc.verify.unions import DISC, TOUCH, beyond, closed_union, moved
+from stlc.verify.prisms import EVERY, Row, beyond, nearest, within
+from stlc.verify.shapes import Body, Form, Levels, Stay
+from stlc.verify.unions import DISC, TOUCH, closed_union
 
 Array = NDArray[np.float64]
 
@@ -29,12 +29,19 @@ SURE = 2.0 * DISC
 """What stays this far away is outside, whatever else is closed [m]."""
 
 
-def outside(chain: Chain, body: Body, space: Polytope | None = None) -> Extremum:
+def outside(
+    chain: Chain, body: Body, space: Polytope | None = None, levels: Levels = EVERY
+) -> Extremum:
     """Euclidean distance to a body in each step (T+1,) [m]; negative: how deep inside.
 
+    It lies between `levels` of height, inflation included.
     With a workspace, what touches its border is closed there. Exact in steps that come nearest of
     all or near; in others it is a lower bound, within the sagitta of the rough chain.
     """
+    if levels != EVERY:
+        rows = [_of_prism(chain, t, body, space, levels) for t in range(len(chain.rows))]
+        values, where = np.array(rows).T
+        return Extremum(values - chain.room, where)
     value, where = chain.least(body) - body.grow, np.zeros(len(chain.rows))
     finite = np.isfinite(value)
     known = (value[finite] + 2.0 * chain.stray[finite]).min(initial=np.inf)
@@ -52,12 +59,56 @@ def _of_step(
         return _sampled(chain, body, t)
     if apart:
         return _away(*_nearest(chain, t, stay), stay.form.solid, body.grow)
-    return of_step(chain, t, stay, kept_out(stay, space))
+    return of_step(chain.rows[t], stay, kept_out(stay, space))
 
 
-def of_step(chain: Chain, t: int, stay: Stay, out: Out) -> tuple[float, float]:
-    """(distance or minus depth, time) from step t to the next, of what moves as `stay` does."""
-    times, places = chain.rows[t]
+def _of_prism(
+    chain: Chain, t: int, body: Body, space: Polytope | None, levels: Levels
+) -> tuple[float, float]:
+    """(distance or minus depth, time) from step t to the next, for a body between heights."""
+    (times, places), heights, stay = chain.rows[t], chain.heights[t], body.stay(t)
+    if stay is None:
+        return _turned(chain, body, t, levels)
+    out = kept_out(stay, space)
+    met = []
+    for part, _ in within((times, places), heights, {"": levels}):
+        if of_step(part, stay, out)[0] < 0.0:
+            met.append(_deepest(part, np.interp(part[0], times, heights), stay, out, levels))
+    if met:
+        return min(met)
+    return nearest((times, places - stay.start), heights, stay.move, out.solid, levels)
+
+
+def _deepest(row: Row, heights: Array, stay: Stay, out: Out, levels: Levels) -> tuple[float, float]:
+    """(minus depth, time) of a part of a step that enters a body between heights."""
+    import shapely
+
+    times, places = row
+    asked = np.union1d(np.linspace(times[0], times[-1], INSTANTS), times)
+    at = np.column_stack([np.interp(asked, times, places[:, k]) for k in (0, 1)])
+    points = shapely.points(at - stay.start - asked[:, None] * stay.move)
+    deep = shapely.distance(out.border.boundary, points)
+    flat = np.where(shapely.intersects(out.core, points), -deep, 0.0)
+    value = np.maximum(flat, beyond(np.interp(asked, times, heights), levels))
+    least = int(value.argmin())
+    return min(float(value[least]), -2.0 * TOUCH), float(asked[least])
+
+
+def _turned(chain: Chain, body: Body, t: int, levels: Levels) -> tuple[float, float]:
+    """The same at many instants, for a body whose corners move unlike each other."""
+    (times, places), instants = chain.rows[t], np.linspace(0.0, 1.0, INSTANTS)
+    at = np.column_stack([np.interp(instants, times, places[:, k]) for k in (0, 1)])
+    flat = np.array([body.distance(t + s, p) for s, p in zip(instants, at, strict=True)])
+    up = beyond(np.interp(instants, times, chain.heights[t]), levels)
+    out = np.hypot(np.maximum(flat, 0.0), np.maximum(up, 0.0))
+    values = np.where(np.maximum(flat, up) < 0.0, np.maximum(flat, up), out)
+    least = int(values.argmin())
+    return float(values[least]), float(instants[least])
+
+
+def of_step(row: Row, stay: Stay, out: Out) -> tuple[float, float]:
+    """(distance or minus depth, time) of a row of a chain, of what moves as `stay` does."""
+    times, places = row
     return _clear(times, places - stay.start - times[:, None] * stay.move, out)
 
 
@@ -101,8 +152,17 @@ def inside(chain: Chain, body: Body) -> Extremum:
             continue
         relative = places - stay.start - times[:, None] * stay.move
         rows.append(_held(times, relative, *_stayed_in(stay.form)))
+    if body.levels is not None:
+        rows = [min(found, _between(chain, t, body.levels)) for t, found in enumerate(rows)]
     values, where = np.array(rows).T
     return Extremum(values - chain.room, where)
+
+
+def _between(chain: Chain, t: int, levels: Levels) -> tuple[float, float]:
+    """(how far it is from the nearer level, negative beyond it; time) from step t to the next."""
+    past = beyond(chain.heights[t], levels)
+    worst = int(past.argmax())
+    return -float(past[worst]), float(chain.rows[t][0][worst])
 
 
 def at_steps(body: Body, places: Array, inside: bool, space: Polytope | None) -> Array:
@@ -169,39 +229,6 @@ def _held(times: Array, places: Array, room: Any, whole: Any) -> tuple[float, fl
     out = _fine(shapely.difference(line, room))
     away = shapely.distance(shapely.points(out), whole)
     return -float(away.max()), _when(times, places, out[int(away.argmax())])
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Out:
-    """What not to be in by more than the tolerance; the union with what is around; itself."""
-
-    core: Any
-    border: Any
-    solid: Any
-
-
-def kept_out(stay: Stay, space: Polytope | None) -> Out:
-    """`keep_out` of a body alone, made once."""
-    key = (space is None, stay.start.tobytes(), stay.move.tobytes())
-    if key not in stay.form.made:
-        stay.form.made[key] = keep_out(stay.form.parts, space, stay)
-    made: Out = stay.form.made[key]
-    return made
-
-
-def keep_out(parts: Sequence[Any], space: Polytope | None, stay: Stay) -> Out:
-    """Polygons to keep out of while they move; what lies beyond the workspace adds to them."""
-    import shapely
-
-    past = [moved(p, -stay.start) for p in beyond(space, stay.move)]
-    whole, solid = closed_union(parts, past), closed_union(parts)
-    core = whole.buffer(-2.0 * TOUCH, join_style="mitre")
-    if past:
-        far = shapely.union_all(past).buffer(-TOUCH, join_style="mitre")
-        own = solid.buffer(-2.0 * TOUCH, join_style="mitre")
-        core = shapely.union_all([shapely.difference(core, far), own])
-    shapely.prepare(core)
-    return Out(core, whole, solid)
 
 
 def _clear(times: Array, places: Array, out: Out) -> tuple[float, float]:

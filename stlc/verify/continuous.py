@@ -39,9 +39,10 @@ def inside(path: Path, piece: Polytope) -> Extremum:
     return by_step(path, extremum(*slacks, lambda q: q.min(axis=-1)))
 
 
-def separation(relative: Path, distances: tuple[float, float]) -> Extremum:
-    """min over time of max(|dx| - distances[0], |dy| - distances[1])."""
-    signs = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
+def separation(relative: Path, distances: tuple[float, ...]) -> Extremum:
+    """min over time of max(|dx| - distances[0], |dy| - distances[1], ..)."""
+    signs = np.repeat(np.eye(len(distances)), 2, axis=0)
+    signs[1::2] *= -1.0
     far = np.repeat(np.asarray(distances, dtype=np.float64), 2)
     parts = [c @ signs.T for c in (relative.c0, relative.c1, relative.c2)]
     found = extremum(parts[0] - far, parts[1], parts[2], lambda q: q.max(axis=-1))

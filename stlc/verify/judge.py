@@ -19,6 +19,7 @@ from stlc.verify.motion import motion_violations, norm_notes, residual
 from stlc.verify.objective import cap_values, objective_violations, term_reports, total
 from stlc.verify.paths import Path, is_known, placed, state_paths
 from stlc.verify.preferences import cap_violations, preference_reports
+from stlc.verify.prisms import levels_of
 from stlc.verify.report import Clearance, Report, RequirementReport, Violation
 from stlc.verify.requirements import SweptOverride, judge, position_findings, requirement_violations
 from stlc.verify.shapes import Bodies
@@ -118,11 +119,12 @@ def _clearances(
     for name in agents:
         for obstacle in mission.obstacles.values():
             for what in ("body", "buffer"):
-                found = outside(chains[name], bodies.of(obstacle.name, what == "buffer"))
+                body = bodies.of(obstacle.name, what == "buffer")
+                found = outside(chains[name], body, levels=levels_of(mission, name, body))
                 yield _closest(what, name, obstacle.name, found, mission.step)
     for one, other in combinations(agents, 2):
         relative = motion[one].minus(motion[other])
-        apart = separation(relative, (0.0, 0.0))
+        apart = separation(relative, (0.0,) * relative.c0.shape[1])
         yield _closest("separation", one, other, apart, mission.step)
         yield _closest("distance", one, other, distance(relative), mission.step)
 

@@ -14,9 +14,11 @@ import numpy as np
 
 from stlc.ir.nodes import Motion, Node
 from stlc.mission import Mission
+from stlc.verify.barriers import keep_out
 from stlc.verify.chains import Chain
-from stlc.verify.clearance import SURE, keep_out, of_place
+from stlc.verify.clearance import SURE, of_place
 from stlc.verify.demands import demanded
+from stlc.verify.prisms import asked_of, levels_of
 from stlc.verify.report import Violation
 from stlc.verify.shapes import Bodies, Stay
 from stlc.verify.subject import TOLERANCE
@@ -29,7 +31,7 @@ def lone_samples(
 ) -> Iterator[Violation]:
     """Samples inside the union of touching obstacles and in none of them."""
     for agent, places in demanded(mission, _claim, mission.horizon + 1).items():
-        for t, names in _near(chains.get(agent), places, bodies):
+        for t, names in _near(mission, agent, chains.get(agent), places, bodies):
             found = _inside(mission, chains[agent], t, names, bodies)
             if found is not None:
                 yield _violation(mission, agent, t, *found)
@@ -46,7 +48,7 @@ def _claim(node: Node) -> tuple[str, str] | None:
 
 
 def _near(
-    chain: Chain | None, places: list[set[str]], bodies: Bodies
+    mission: Mission, agent: str, chain: Chain | None, places: list[set[str]], bodies: Bodies
 ) -> Iterator[tuple[int, list[str]]]:
     """Steps at which an agent is near two obstacles or more that it must keep out of."""
     names = sorted(set().union(*places))
@@ -56,6 +58,9 @@ def _near(
     away = np.stack([chain.least(body)[: len(places)] - body.grow for body in each])
     asked = np.array([[name in at for at in places] for name in names])
     near = asked[:, : away.shape[1]] & (away <= SURE)
+    levels = [levels_of(mission, agent, body) for body in each]
+    heights = chain.levels
+    near = np.array([asked_of(row, heights, own) for row, own in zip(near, levels, strict=True)])
     for t in np.flatnonzero(near.sum(axis=0) > 1):
         yield int(t), [names[k] for k in np.flatnonzero(near[:, t])]
 

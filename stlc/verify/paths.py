@@ -30,8 +30,8 @@ _BEND = np.sqrt(3.0) / 216.0
 class Path:
     """Motion c0 + c1 s + c2 s^2, s in [0, 1], over every piece of every step.
 
-    Each (T+1) * pieces rows of `width` values: positions (2) [m], or all states of an agent. The
-    truth lies within `error` (rows,) of it in the plane, or (rows, n) in each state. The pieces of
+    Each (T+1) * pieces rows of `width` values: places (2 or 3) [m], or all states of an agent. The
+    truth lies within `error` (rows,) of it in space, or (rows, n) in each state. The pieces of
     the last step stay where the run ends.
     """
 
@@ -50,7 +50,7 @@ class Path:
         return np.zeros(len(self.c0)) if self.error is None else self.error
 
     def at(self, steps: Array) -> Array:
-        """Positions (K, 2) at fractional steps (K,) in [0, T]."""
+        """Places (K, width) at fractional steps (K,) in [0, T]."""
         along = steps * self.pieces
         row = np.clip(np.floor(along).astype(np.intp), 0, len(self.c0) - 1)
         s = (along - row)[:, None]
@@ -61,8 +61,16 @@ class Path:
         ends = self.c0 - other.c0, self.c1 - other.c1, self.c2 - other.c2
         return Path(*ends, self.pieces, self.room + other.room)
 
+    @property
+    def plane(self) -> Path:
+        """The motion without heights."""
+        if self.c0.shape[1] == 2:
+            return self
+        c0, c1, c2 = (c[:, :2] for c in (self.c0, self.c1, self.c2))
+        return Path(c0, c1, c2, self.pieces, self.error)
+
     def mapped(self, rows: Array) -> Path:
-        """The motion of rows @ state, for two rows of length at most 1 in the plane."""
+        """The motion of rows @ state, for rows of length at most 1 in space."""
         error = None if self.error is None else _mapped_error(self.error, rows)
         return Path(self.c0 @ rows.T, self.c1 @ rows.T, self.c2 @ rows.T, self.pieces, error)
 
@@ -92,16 +100,17 @@ def paths(mission: Mission, runs: Mapping[str, Run]) -> dict[str, Path]:
 
 
 def placed(mission: Mission, states: Mapping[str, Path]) -> dict[str, Path]:
-    """`paths`, from the motion of all states."""
+    """`paths`, from the motion of all states; in space where any agent flies."""
     found = {}
     for name, path in states.items():
-        position = mission.agents[name].dynamics.position
-        if position is not None:
-            found[name] = path.mapped(position)
+        model = mission.agents[name].dynamics
+        rows = model.space if mission.aerial else model.position
+        if rows is not None:
+            found[name] = path.mapped(rows)
     pieces = next((path.pieces for path in states.values()), 1)
     for name, station in mission.stations.items():
-        rows = (mission.horizon + 1) * pieces
-        place = np.tile(np.asarray(station.position, dtype=np.float64), (rows, 1))
+        count = (mission.horizon + 1) * pieces
+        place = np.tile(station.place[: 3 if mission.aerial else 2], (count, 1))
         found[name] = Path(place, np.zeros_like(place), np.zeros_like(place), pieces)
     return found
 

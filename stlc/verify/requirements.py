@@ -21,6 +21,7 @@ from stlc.verify.conditions import Motions
 from stlc.verify.continuous import separation
 from stlc.verify.critical import critical
 from stlc.verify.paths import Path, placed, state_paths
+from stlc.verify.prisms import levels_of
 from stlc.verify.report import RequirementReport, Violation
 from stlc.verify.robustness import Evaluator
 from stlc.verify.samples import Samples
@@ -122,13 +123,15 @@ class SweptOverride:
         match swept.motion:
             case Motion.OUTSIDE:
                 space = self._mission.workspace
-                return clearance.outside(self.chains[swept.agent], self._body(swept), space).value
+                levels = levels_of(self._mission, swept.agent, self._body(swept))
+                chain = self.chains[swept.agent]
+                return clearance.outside(chain, self._body(swept), space, levels).value
             case Motion.INSIDE:
                 return clearance.inside(self.chains[swept.agent], self._body(swept)).value
             case Motion.SEPARATION:
                 assert swept.other is not None
                 relative = self._motion[swept.agent].minus(self._motion[swept.other])
-                return separation(relative, swept.distances).value
+                return separation(relative.plane, swept.distances).value
             case Motion.CONDITION:
                 raise AssertionError("a condition is about no agent alone")
 

@@ -12,8 +12,9 @@ from stlc.ir.nodes import Node, walk
 from stlc.mission import Mission
 from stlc.verify.chains import Chain
 from stlc.verify.clearance import at_steps
+from stlc.verify.prisms import corrected, levels_of
 from stlc.verify.robustness import TOLERANCE, Evaluator
-from stlc.verify.shapes import Array, Bodies
+from stlc.verify.shapes import Array, Bodies, Body, Levels
 
 
 class Samples:
@@ -50,7 +51,8 @@ class Samples:
             return None
         count = min(len(value), len(places))
         body = self._bodies.of(claim.place)
-        deep = at_steps(body, places[:count], claim.inside, self._mission.workspace)
+        deep = at_steps(body, places[:count, :2], claim.inside, self._mission.workspace)
+        deep = corrected(deep, places[:count, -1], self._levels(claim, body), claim.inside)
         wrong = (deep < -TOLERANCE) & (value[:count] >= -TOLERANCE)
         if claim.inside:  # `outside` may take up to a millimetre more than the shape
             wrong |= (deep > TOLERANCE) & (value[:count] <= TOLERANCE)
@@ -60,7 +62,14 @@ class Samples:
     def _places(self, claim: Membership) -> Array | None:
         if isinstance(claim.subject, str):
             chain = self._chains.get(claim.subject)
-            return None if chain is None else chain.places
-        x, y = (self._sampled.judged(node) for node in claim.subject)
-        count = min(len(x), len(y))
-        return np.column_stack([x[:count], y[:count]])
+            return None if chain is None else np.column_stack([chain.places, chain.levels])
+        values = [self._sampled.judged(node) for node in claim.subject]
+        count = min(map(len, values))
+        return np.column_stack([value[:count] for value in values])
+
+    def _levels(self, claim: Membership, body: Body) -> Levels | None:
+        """The heights to be between, or out of [m]; None where they don't matter."""
+        if body.levels is None or claim.inside:
+            return body.levels
+        subject = claim.subject if isinstance(claim.subject, str) else ""
+        return levels_of(self._mission, subject, body)

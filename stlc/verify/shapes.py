@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Outlines = tuple[Outline, ...]
+Levels = tuple[float, float]
 
 ROUND = 64
 """Segments of a quarter circle, inscribed: 1e-4 of `inflate` short of the disc, never beyond."""
@@ -68,11 +69,15 @@ class Spell:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Body:
-    """An obstacle or region in time. `step` [s]; `grow` [m] is added all around."""
+    """An obstacle or region in time. `step` [s]; `grow` [m] is added all around.
+
+    `levels` [m] are the heights it lies between before it grows; None for all.
+    """
 
     track: Track
     step: float
     grow: float = 0.0
+    levels: Levels | None = None
     _stays: dict[int, Stay | None] = field(default_factory=dict)
     _forms: dict[Outlines, Form] = field(default_factory=dict)
     _spells: dict[int, list[Spell]] = field(default_factory=dict)
@@ -175,15 +180,15 @@ class Bodies:
 def obstacle_body(obstacle: Obstacle, step: float, grow: float) -> Body:
     """An obstacle as the file gives it, grown by `grow` [m]."""
     if obstacle.track is not None:
-        return Body(obstacle.track, step, grow)
+        return Body(obstacle.track, step, grow, obstacle.heights)
     frames = tuple((t, _from_pieces(p)) for t, p in enumerate(obstacle.bodies))
-    return Body(Track(frames), step, grow)
+    return Body(Track(frames), step, grow, obstacle.heights)
 
 
 def region_body(region: Region, step: float) -> Body:
     """A region as the file gives it."""
     outlines = region.outlines or _from_pieces(region.pieces)
-    return Body(Track(((0, outlines),)), step)
+    return Body(Track(((0, outlines),)), step, levels=region.heights)
 
 
 def _from_pieces(pieces: Sequence[Polytope]) -> Outlines:

@@ -15,9 +15,11 @@ from numpy.typing import NDArray
 
 from stlc.ir.nodes import Motion, Node
 from stlc.mission import Mission
+from stlc.verify.barriers import keep_out, kept_out
 from stlc.verify.chains import Chain
-from stlc.verify.clearance import INSTANTS, SURE, keep_out, kept_out, of_step
+from stlc.verify.clearance import INSTANTS, SURE, of_step
 from stlc.verify.demands import demanded
+from stlc.verify.prisms import Row, levels_of, within
 from stlc.verify.report import Violation
 from stlc.verify.shapes import Array, Bodies, Stay
 from stlc.verify.subject import TOLERANCE
@@ -59,11 +61,13 @@ class _Passages:
         """One violation for each step that passes between obstacles but into none of them."""
         for t, names in self._near(places):
             stays = {n: s for n in names if (s := self.bodies.of(n).stay(t)) is not None}
-            found = self._worst(t, stays) if len(stays) > 1 else None
-            if found is None or self._enters_one(t, stays):
-                continue
-            group, (value, when) = found
-            yield self._violation(group, value, t + when)
+            levels = {n: levels_of(self.mission, self.agent, self.bodies.of(n)) for n in stays}
+            for row, met in within(self.chain.rows[t], self.chain.heights[t], levels):
+                some = {n: stays[n] for n in met}
+                found = self._worst(row, some) if len(some) > 1 else None
+                if found is not None and not self._enters_one(row, some):
+                    group, (value, when) = found
+                    yield self._violation(group, value, t + when)
 
     def _near(self, places: Sequence[set[str]]) -> Iterator[tuple[int, list[str]]]:
         """Steps that come near two obstacles or more, and which."""
@@ -77,7 +81,7 @@ class _Passages:
         for t in np.flatnonzero(near.sum(axis=0) > 1):
             yield int(t), [names[k] for k in np.flatnonzero(near[:, t])]
 
-    def _worst(self, t: int, stays: Mapping[str, Stay]) -> tuple[Sequence[str], Found] | None:
+    def _worst(self, row: Row, stays: Mapping[str, Stay]) -> tuple[Sequence[str], Found] | None:
         """The obstacles that are passed between, and how deep within their union."""
         alike: dict[bytes, dict[str, Stay]] = {}
         for name, stay in stays.items():
@@ -86,25 +90,25 @@ class _Passages:
         for group in alike.values():
             touching = self._touching(group)
             if touching:
-                found.append((touching, self._union(t, [group[n] for n in touching])))
+                found.append((touching, self._union(row, [group[n] for n in touching])))
         for one, other in combinations(alike.values(), 2):
             for a, b in ((a, b) for a in one for b in other):
-                found.append(((a, b), self._between(t, one[a], other[b])))
+                found.append(((a, b), self._between(row, one[a], other[b])))
         passed = [item for item in found if item[1][0] < -TOLERANCE]
         return min(passed, key=lambda item: item[1][0], default=None)
 
-    def _union(self, t: int, stays: Sequence[Stay]) -> Found:
+    def _union(self, row: Row, stays: Sequence[Stay]) -> Found:
         """Through the union of obstacles that move alike."""
         first = stays[0]
         parts = [moved(p, s.start - first.start) for s in stays for p in s.form.parts]
-        return of_step(self.chain, t, first, keep_out(parts, self.mission.workspace, first))
+        return of_step(row, first, keep_out(parts, self.mission.workspace, first))
 
-    def _between(self, t: int, one: Stay, other: Stay) -> Found:
+    def _between(self, row: Row, one: Stay, other: Stay) -> Found:
         """Through the seam of two obstacles that move differently."""
         import shapely
 
-        times = np.linspace(0.0, 1.0, INSTANTS)
-        at, (fine, places) = np.empty((INSTANTS, 2)), self.chain.rows[t]
+        fine, places = row
+        times, at = np.linspace(fine[0], fine[-1], INSTANTS), np.empty((INSTANTS, 2))
         for axis in (0, 1):
             at[:, axis] = np.interp(times, fine, places[:, axis])
         worst = (0.0, 0.0)
@@ -128,10 +132,10 @@ class _Passages:
             self.joints[key] = sorted(near)
         return self.joints[key]
 
-    def _enters_one(self, t: int, stays: Mapping[str, Stay]) -> bool:
+    def _enters_one(self, row: Row, stays: Mapping[str, Stay]) -> bool:
         """Whether an obstacle alone is entered, which its own requirement tells."""
         space = self.mission.workspace
-        clear = (of_step(self.chain, t, s, kept_out(s, space))[0] for s in stays.values())
+        clear = (of_step(row, s, kept_out(s, space))[0] for s in stays.values())
         return any(value < -TOLERANCE for value in clear)
 
     def _violation(self, group: Sequence[str], value: float, time: float) -> Violation:

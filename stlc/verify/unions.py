@@ -23,7 +23,7 @@ DISC = 5e-4
 """Radius of what closes a contact in one point [m]."""
 
 
-def beyond(space: Polytope | None, move: Array) -> list[Any]:
+def past_borders(space: Polytope | None, move: Array) -> list[Any]:
     """What lies past each face of the workspace that things moving by `move` [m] don't leave."""
     import shapely
 

@@ -17,7 +17,7 @@ from stlc.verify.subject import TOLERANCE
 def workspace_violations(mission: Mission, motion: Mapping[str, Path]) -> Iterator[Violation]:
     """Each agent that leaves the workspace, where it is farthest out."""
     for name, step, out in _excursions(mission, motion, mission.workspace_swept):
-        x, y = motion[name].at(np.array([step]))[0]
+        x, y = motion[name].plane.at(np.array([step]))[0]
         when = f"step {step:g}" if step == int(step) else f"{step * mission.step:.4g} s"
         text = f"{name} at {when}: ({x:.6g}, {y:.6g}) lies {out:.3g} m outside the workspace"
         yield Violation("workspace", text, out, step, name, mission.agents[name].span)
@@ -45,7 +45,8 @@ def _excursions(
         return
     for name in mission.agents:
         if name in motion:
-            found = inside(motion[name], space) if swept else _at_steps(motion[name], space)
+            path = motion[name].plane
+            found = inside(path, space) if swept else _at_steps(path, space)
             row = int(found.value.argmin())
             out = -float(found.value[row])
             if not out <= TOLERANCE:

@@ -160,7 +160,7 @@ def test_true_values_of_a_station_may_be_asked_from_either_end():
     there = mission(
         [agent("a", (0, 0))], horizon=0, stations=[Station("s", np.array([3.0, 0]), 4.0)]
     )
-    zero, post = np.zeros((1, 2)), np.array([[3.0, 0.0]])
+    zero, post = np.zeros((1, 3)), np.array([[3.0, 0.0, 4.0]])
     one = true_values(there, radio(), ("a", "s"), zero, post)
     two = true_values(there, radio(), ("s", "a"), post, zero)
     assert one.distance.tolist() == two.distance.tolist() == [5.0]
