@@ -161,6 +161,13 @@ LONG = Suite(
     ),
 )  # fmt: skip
 
+NETWORKS = Suite(
+    "networks",
+    "four agents that stay one network over 12 steps; six of which two relay",
+    tuple(Problem(name, f"networks/{name}.stl", quick=True)
+          for name in ("join_4_t12", "relay_6_t10")),
+)  # fmt: skip
+
 _ABLATED = (
     "narrow_passage_T25", "stepping_stones_15_T15_s1", "door_puzzle_N1_T20", "targets_2", "ber_c5",
 )  # fmt: skip
@@ -172,4 +179,4 @@ ABLATION = Suite(
     tuple(f"{name}:milp" for name in ("auto", "onehot", "stl=unary", "log", "bigm", "stl=hull")),
 )
 
-SUITES = (PAPER, HEADLINE, STLPY, RADIO, TEAMS, SCALING, LONG, ABLATION)
+SUITES = (PAPER, HEADLINE, STLPY, RADIO, TEAMS, SCALING, LONG, NETWORKS, ABLATION)

@@ -19,7 +19,17 @@ PROBLEMS = [(s, p) for s in load_suites(FOLDER).values() for p in s.problems]
 
 def test_suites_and_no_name_twice() -> None:
     assert default_folder() == FOLDER
-    suites = ["paper", "headline", "stlpy", "radio", "teams", "scaling", "long", "ablation"]
+    suites = [
+        "paper",
+        "headline",
+        "stlpy",
+        "radio",
+        "teams",
+        "scaling",
+        "long",
+        "networks",
+        "ablation",
+    ]
     assert list(load_suites(FOLDER)) == suites
     names = [(suite.name, problem.name) for suite, problem in PROBLEMS]
     assert len(set(names)) == len(names)

@@ -10,9 +10,13 @@ import pytest
 from stlc import api
 from stlc.channels import ChannelTables
 from stlc.errors import InfeasibleError
+from stlc.milp.compile import Compiled, compile_mission
 from stlc.mission import Mission
 from stlc.plan import make_plan
+from stlc.solve.alone.loosened import loosened
+from stlc.solve.alone.project import project
 from stlc.solve.outcome import SolveSettings
+from stlc.solve.teams.held import against
 from stlc.verify import verify
 
 MISSION = """
@@ -80,3 +84,36 @@ def test_the_best_plan_is_that_of_exhaustive_search(formula: str) -> None:
         assert count == 0
         return
     assert outcome.plan.solve.objective == pytest.approx(expected, abs=1e-6)
+
+
+@pytest.mark.parametrize("formula", FORMULAS)
+def test_parts_of_a_mission_ask_for_no_more_than_the_whole(formula: str) -> None:
+    """A run of all agents satisfies what is left for some: alone, loosened, the others held."""
+    mission = api.loads(MISSION.format(formula=formula))
+    tables = ChannelTables(mission)
+    moves = {"scout": np.array([[-1.0, 0.0]]), "two": np.array([[0.0, -1.0]])}
+    states = {
+        n: np.stack([mission.agents[n].start, mission.agents[n].start + move[0]])
+        for n, move in moves.items()
+    }
+    report = verify(mission, make_plan(mission, states, moves), tables)
+    runs = {n: (states[n], moves[n]) for n in moves}
+    held = against(mission, ["scout"], {"two": runs["two"]}, tables, costs=False)
+    alone = project(mission, ["scout"], tables)
+    for part in (held, alone, loosened(alone, tables), loosened(mission, tables)):
+        kept = {n: runs[n] for n in part.agents}
+        plan = make_plan(
+            part, {n: r[0] for n, r in kept.items()}, {n: r[1] for n, r in kept.items()}
+        )
+        if report.ok:
+            assert verify(part, plan).ok
+        compiled = compile_or_none(part)
+        assert compiled is not None or not report.ok
+
+
+def compile_or_none(mission: Mission) -> Compiled | None:
+    """The model, None where no run can meet the requirements."""
+    try:
+        return compile_mission(mission)
+    except InfeasibleError:
+        return None

@@ -61,3 +61,16 @@ def test_what_has_no_first_time_is_an_error(text: str) -> None:
 def test_times_are_not_maximised() -> None:
     with pytest.raises(MissionError, match="E0703"):
         api.loads(HEAD + "require a: eventually r1 in far\nmaximize time(a)\n")
+
+
+def test_what_holds_eventually_always_holds_at_the_end() -> None:
+    text = """
+agent r2 : double_integrator { start (1, 1, 1, 0); control |u| <= 1; speed <= 2 }
+require reach: eventually r2.x >= 3 m
+require rest: eventually always |r2.vx| <= 0
+minimize effort
+"""
+    plan = api.solve(api.loads(HEAD + text), SolveSettings(time_limit=60.0)).plan
+    speeds = plan.runs["r2"].states[:, 2]
+    assert abs(speeds[-1]) <= 1e-6
+    assert abs(speeds[0]) == 1.0
