@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from stlc.mission import Mission
 from stlc.plan import Plan
+from stlc.plot.altitude import draw_altitudes, flying
 from stlc.plot.channel_map import draw_channel, mapped_channel
 from stlc.plot.labels import Labels
 from stlc.plot.robustness import draw_robustness
@@ -79,6 +80,8 @@ def _panels(mission: Mission, plan: Plan, look: dict[str, Look]) -> _Panels:
     if plan.requirements:
         below.append(lambda axes: draw_robustness(axes, mission, plan.requirements))
     right: list[Draw] = []
+    if flying(mission):
+        right.append(lambda axes: draw_altitudes(axes, mission, plan, look))
     if velocity_agents(mission):
         right.append(lambda axes: draw_velocities(axes, mission, plan, look))
     right.append(lambda axes: draw_inputs(axes, mission, plan, look))

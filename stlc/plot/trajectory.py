@@ -32,7 +32,7 @@ def draw_map(axes: Axes, mission: Mission, plan: Plan, look: Mapping[str, Look])
     _surroundings(axes, mission, labels)
     for name in mission.agents:
         if name in motion:
-            curve = _agent(axes, motion[name], mission.horizon, look[name])
+            curve = _agent(axes, motion[name].plane, mission.horizon, look[name])
             labels.avoid.append(curve)
             labels.marks += [curve[0], curve[-1]]
             labels.add(

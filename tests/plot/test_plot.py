@@ -163,3 +163,32 @@ def test_a_plan_of_other_agents_is_refused(tmp_path):
     other = dataclasses.replace(plan, runs={"b": plan.runs["a"]})
     with pytest.raises(UsageError, match="the plan is for agents b; the mission has a"):
         plot_plan(ours, other, tmp_path / "p.png")
+
+
+def test_heights_of_agents_that_fly_have_a_panel():
+    text = """
+horizon 3
+workspace box [0, 10] x [0, 10]
+dynamics drone = double_integrator { dimensions 3; pz in [0, 9]; control |u| <= 2 }
+agent a : drone { start (1, 1, 2) }
+agent g : single_integrator { start (5, 5); control |u| <= 1 }
+station mast at (9, 9) { height 3 m }
+region pad = box [0, 3] x [0, 3] x [4, 6]
+channel radio { path_loss L0 = -40 dBm, n = 2; partition 2 x 2 x 2 }
+require r: eventually a in pad
+require s: eventually rssi(a, mast) >= -90 dBm
+"""
+    found = loads(text)
+    inputs = {"a": np.array([[0, 0, 2.0]] * 3), "g": np.zeros((3, 2))}
+    runs = {}
+    for name, given in inputs.items():
+        model, states = found.agents[name].dynamics, [found.agents[name].start]
+        for u in given:
+            states.append(model.A @ states[-1] + model.B @ u)
+        runs[name] = np.array(states)
+    figure = plan_figure(found, make_plan(found, runs, inputs))
+    panel = next(axes for axes in figure.axes if axes.get_title(loc="left") == "Height")
+    curve = panel.lines[0].get_xydata()
+    assert curve[12] == pytest.approx((0.5, 2.25))  # half a step up, by the true parabola
+    assert panel.lines[1].get_ydata() == pytest.approx([2, 3, 6, 11])
+    assert [text.get_text() for text in panel.texts] == ["pad"]
