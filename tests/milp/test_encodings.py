@@ -102,3 +102,12 @@ def test_packages_offer_encodings(monkeypatch: pytest.MonkeyPatch) -> None:
     assert optimum(compiled("mirrored").model) == pytest.approx(optimum(compiled("onehot").model))
     with pytest.raises(UsageError, match="no formula encoding"):
         selectors.selector_named("mirror")
+
+
+@pytest.mark.parametrize("name", ["auto", *selectors.SELECTORS])
+@pytest.mark.parametrize(("constant", "holds"), [(-0.3, False), (0.3, True)])
+def test_constants_are_demands_too(name: str, constant: float, holds: bool) -> None:
+    wanted = Eventually(Linear((), constant), 0, 6)
+    off = frozenset({"decide", "decide-again"})
+    model = compile_mission(world(wanted), CompileOptions(name, disabled_passes=off)).model
+    assert (optimum(model) is not None) == holds

@@ -17,10 +17,12 @@ from stlc import api
 from stlc.errors import UsageError
 from stlc.mission import Cap
 from stlc.sense import Sense
-from stlc.sweep import Axis, Question, frontier, points
+from stlc.sweep import Answer, Axis, Question, frontier, points
 from stlc.sweep.ask import answer, digest
 from stlc.sweep.costs import split, terms_of
+from stlc.sweep.executors import run_here
 from stlc.sweep.store import Store
+from stlc.sweep.work import Task, recalled
 
 MISSION = """step 1 s
 horizon 3
@@ -237,3 +239,43 @@ def test_mistakes_are_told_before_a_solve(
     done = stlc("sweep", "m.stl", *words, folder=tmp_path)
     assert done.returncode == status, done.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_a_sweep_that_was_stopped_goes_on_where_it_was(file: Path, tmp_path: Path) -> None:
+    store = Store(tmp_path / "s.sqlite")
+    store.create()
+    tasks = [Task(_question(file, near=near)) for near in ("0", "1", "2")]
+    seen: list[Question] = []
+
+    def keep(question: Question, found: Answer) -> None:
+        seen.append(question)
+        store.add(question, found)
+
+    first = list(run_here(tasks, lambda: bool(seen), keep))
+    assert [number for number, _ in first] == [0]
+    left = [task for task in tasks if recalled(task, store.get)[1] is None]
+    assert left == tasks[1:]
+    rest = list(run_here(left, lambda: False, keep))
+    assert seen == [task.question for task in tasks]
+    assert [done.found.objective for _, done in rest] == [pytest.approx(3), pytest.approx(4)]
+    assert all(recalled(task, store.get)[1] is not None for task in tasks)
+
+
+def test_a_curve_that_was_stopped_keeps_its_points(file: Path, tmp_path: Path) -> None:
+    store = Store(tmp_path / "s.sqlite")
+    store.create()
+    task = Task(_question(file, v="1", near="0"), ("effort", RADIO), 5)
+    seen: list[Question] = []
+
+    def keep(question: Question, found: Answer) -> None:
+        seen.append(question)
+        store.add(question, found)
+
+    assert list(run_here([task], lambda: len(seen) >= 3, keep)) == []
+    before = len(seen)
+    again, known = recalled(task, store.get)
+    assert known is None
+    assert len(again.known) == before
+    ((_, done),) = run_here([again], lambda: False, keep)
+    assert len({question.key for question in seen}) == len(seen)
+    assert recalled(task, store.get)[1] == done.found

@@ -46,12 +46,12 @@ class Hull:
         """Copies, their bounds and the faces over them."""
         demands = [faces.demands(own) for own in predicates]
         cols, lower, upper = _variables(faces, demands)
-        if not len(cols):
-            return
         shape = (len(literals), len(cols))
-        copies = faces.ctx.builder.add_columns(
-            "copy", shape, np.minimum(lower, 0.0), np.maximum(upper, 0.0)
-        )
+        copies = np.empty(shape, np.int64)  # constants alone need none, and have a demand too
+        if len(cols):
+            copies = faces.ctx.builder.add_columns(
+                "copy", shape, np.minimum(lower, 0.0), np.maximum(upper, 0.0)
+            )
         place = {int(c): k for k, c in enumerate(cols)}
         for z, own, copy in zip(literals, demands, copies, strict=True):
             for direction, demand in own.items():
