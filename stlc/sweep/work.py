@@ -51,6 +51,8 @@ def run(
         found = known.get(question.key)
         if found is not None:
             return found
+        if should_stop is not None and should_stop():
+            raise InterruptedSweepError
         found = answer(question, start, should_stop)
         if found.status == "interrupted":
             raise InterruptedSweepError
