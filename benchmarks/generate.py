@@ -35,7 +35,11 @@ GENERATORS: dict[str, Callable[..., str]] = {
     "swarm": teams.swarm,
     "patrol": scaling.patrol,
     "rounds": long.rounds,
+    "maze": long.maze,
 }
+for _name in ("reach_avoid", "either_or", "narrow_passage", "stepping_stones", "multitarget",
+              "door_puzzle"):  # fmt: skip
+    GENERATORS[f"frugal_{_name}"] = stlpy.frugal(GENERATORS[_name])
 Array = NDArray[np.float64]
 MISSIONS = Path(__file__).parent / "missions"
 

@@ -33,6 +33,7 @@ COMMANDS = {
     "teams": ("--time-limit 20 --workers 2",),
     "scaling": ("--time-limit 20 --workers 2",),
     "long": ("--time-limit 60",),
+    "published": ("--time-limit 60",),
     "ablation": (
         "--repeat 3 --time-limit 20 --workers 2",
         "--encodings auto:milp --passes each --repeat 3 --time-limit 20 --workers 2",

@@ -1,5 +1,7 @@
 """What is measured: suites of problems, as data. `generate.py` writes the missions."""
 
+from dataclasses import replace
+
 from stlc.bench.problem import Problem, Suite
 
 
@@ -152,12 +154,31 @@ SCALING = Suite(
 
 LONG = Suite(
     "long",
-    "one agent over 30 to 100 steps: rounds, a rover, keys and doors; effort minimised",
+    "one agent over 10 to 100 steps: rounds, a rover, keys and doors, stlpy's scenarios; "
+    "effort minimised",
     (
         *(_made("long", f"rounds_{t}", "rounds", "steps", t == 40, "rounds", steps=t, period=10)
           for t in (40, 60, 100)),
         *(Problem(name, f"published/{name}.stl", family="published")
           for name in ("stlp_rover-1", "stlp_doorpuzzle-1")),
+        *(_made("long", f"maze_{n}", "maze", "doors", n == 1, "keys and doors", doors=n)
+          for n in range(1, 6)),
+        *(replace(p, name=f"frugal_{p.name}", file=f"long/frugal_{p.name}.stl",
+                  generator=f"frugal_{p.generator}", axes={}, family="stlpy, effort")
+          for p in STLPY.problems),
+    ),
+)  # fmt: skip
+
+PUBLISHED = Suite(
+    "published",
+    "what others have published: STLPlanning's rover, door puzzle, wall and STLCG scene, a point "
+    "mass of Logic Network Flow; effort or regions' costs minimised",
+    (
+        *(Problem(f"stlp_{name}", f"published/stlp_{name}.stl", quick=name == "stlcg-1",
+                  family="STLPlanning")
+          for name in ("stlcg-1", "rover-1", "doorpuzzle-1", "wall-1")),
+        Problem("lnf_env1_s0", "published/lnf_env1_s0.stl", ("published/lnf_env1_s0.csv",),
+                family="Logic Network Flow"),
     ),
 )  # fmt: skip
 
@@ -179,4 +200,4 @@ ABLATION = Suite(
     tuple(f"{name}:milp" for name in ("auto", "onehot", "stl=unary", "log", "bigm", "stl=hull")),
 )
 
-SUITES = (PAPER, HEADLINE, STLPY, RADIO, TEAMS, SCALING, LONG, NETWORKS, ABLATION)
+SUITES = (PAPER, HEADLINE, STLPY, RADIO, TEAMS, SCALING, LONG, PUBLISHED, NETWORKS, ABLATION)

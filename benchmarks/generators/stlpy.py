@@ -8,6 +8,8 @@ stlpy's meaning, exactly, at every run.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from generators.text import Box, clock, comment, document, region
@@ -149,3 +151,12 @@ def door_puzzle(steps: int, doors: int) -> str:
     regions["goal"] = (14.1, 14.9, 4.1, 5.9)
     wanted.append("arrive: eventually robot in goal")
     return _mission("Door puzzle", steps, (6, 1), regions, wanted, (0, 15, 0, 10), 2.0)
+
+
+def frugal(scenario: Callable[..., str]) -> Callable[..., str]:
+    """A scenario that is to be fulfilled at the least effort instead of as robustly as can be."""
+
+    def made(**parameters: int) -> str:
+        return scenario(**parameters).replace("maximize robustness", "minimize effort")
+
+    return made

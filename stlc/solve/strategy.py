@@ -108,11 +108,11 @@ class Work:
             message=message,
         )
 
-    def without_plan(self) -> Solution:
-        """The answer that there is no plan."""
+    def without_plan(self, by: str = "") -> Solution:
+        """The answer that there is no plan, and what says so if it is not the backend."""
         return Solution(
             Status.INFEASIBLE, solver=self.backend.name, seconds=self.seconds,
-            solver_version=self.backend.version(),
+            solver_version=by or self.backend.version(),
         )  # fmt: skip
 
     def concluded(self, found: Solution) -> Solution:

@@ -99,8 +99,9 @@ class Route:
     share: float = 0.3  # of the time that is left: for the glance, for a first plan
     seconds: float = 25.0  # for a first plan
     efforts: tuple[tuple[int, int, float, float], ...] = (
-        (1500, 2, 0.0, 1.0), (1500, 2, 0.0, 3.0), (1500, 3, 0.0, 1.0), (2000, 6, 0.2, 1.0),
-        (1500, 2, 0.3, 3.0), (3000, 4, 0.2, 3.0), (8000, 2, 0.0, 2.0), (8000, 4, 0.2, 2.0),
+        (400, 2, 0.3, 3.0), (1500, 2, 0.0, 1.0), (1500, 2, 0.0, 3.0), (1500, 2, 0.3, 3.0),
+        (1500, 3, 0.0, 1.0), (2000, 6, 0.2, 1.0), (3000, 4, 0.2, 3.0), (8000, 2, 0.0, 2.0),
+        (8000, 4, 0.2, 2.0),
     )  # width, parts, miss, greed  # fmt: skip
     repair: tuple[float, ...] = (0.6, 2.0)  # cells: radius of a tube around a run
     repair_seconds: float = 3.0
@@ -116,8 +117,10 @@ class Route:
     cuts: tuple[int, ...] = (1, 3, 6, 12)  # into which the fastest move is cut, at least
     growth: float = 2.0  # how much longer the next grid takes
     hardly: float = 2.0  # a grid is left out whose next has at most so many times its moves
-    climbs: int = 6  # ascents of prices on visits; rounds_40: gap 8.7, 4.9, 4.4 % after 1, 2, 6
-    climb_rounds: int = 20  # steps of each
+    climbs: int = 10  # ascents of prices on visits, at most
+    rooms: tuple[float, ...] = (0.0, 1.0)  # steps: how far from where ways have their visits
+    guesses: int = 2  # ascents ahead of a first plan; 1: plan of rounds_40 15 % dearer, 3: flat
+    climb_rounds: int = 12  # of each; 20: flat, 0.7 times as fast for rounds_100
     heat: float = 0.03  # of the gap
 
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stlc.milp.compile import Compiled
+from stlc.milp.model import Model
 from stlc.mission import TermKind
 from stlc.solve import tuning
 from stlc.solve.alone.bounds import bounded, safe
@@ -24,7 +25,7 @@ from stlc.solve.routes.boxes import places_of
 from stlc.solve.routes.finder import Routes
 from stlc.solve.routes.loose import fits
 from stlc.solve.routes.play import MOST_MOVES, Play, play_of
-from stlc.solve.routes.visit_bound import Priced, climb
+from stlc.solve.routes.visit_bound import Climb, Priced
 from stlc.solve.routes.visits import Search, kinds_of
 from stlc.solve.strategy import Work
 
@@ -36,30 +37,47 @@ class Bounds:
 
     grids: Routes
     lone: Mapping[str, float]
-    visits: Mapping[str, Priced]
+    visits: Mapping[str, Climb]
 
     @staticmethod
     def of(compiled: Compiled, over: Callable[[], bool]) -> Bounds | None:
         """Nothing known yet; None where the objective is more than effort."""
         if not only_effort(compiled):
             return None
-        grids, visits = Routes.of(compiled, over), dict[str, Priced]()
+        grids, visits = Routes.of(compiled, over), dict[str, Climb]()
         for name in compiled.mission.agents:
             graph = None if fits(compiled, name) else visits_of(grids, name)
             if graph is not None:
-                visits[name] = graph
+                visits[name] = Climb(graph)
         return Bounds(grids, {}, visits)
 
     def hopeless(self) -> bool:
         """Whether some agent can't make its visits: there is no plan."""
-        return any(not graph.possible for graph in self.visits.values())
+        return any(not climb.graph.possible for climb in self.visits.values())
+
+    def visiting(self, compiled: Compiled, room: float, over: Callable[[], bool]) -> Model | None:
+        """The model with visits where the cheapest ways have them, or up to `room` steps away;
+        None where there are none."""
+        if not self.visits:
+            return None
+        model = compiled.model
+        lower, upper = model.col_lower.copy(), model.col_upper.copy()
+        for name, climb in self.visits.items():
+            found, body = climb.guess(over), climb.graph.body
+            boxes = climb.graph.ways.boxes[found[:, 0]]
+            for d, axis in enumerate(body.axes):
+                columns = compiled.states[name][found[:, 1], axis.state]
+                wide = room * float(np.abs(axis.box[:, 2:]).max())
+                lower[columns] = np.maximum(lower[columns], boxes[:, d, 0] - wide)
+                upper[columns] = np.minimum(upper[columns], boxes[:, d, 1] + wide)
+        return replace(model, col_lower=np.minimum(lower, upper), col_upper=upper)
 
     def better(self, work: Work) -> Work:
         """The work with the best bounds that there is time for, as rows too."""
         deadline = work.deadline.share(tuning.ROUTES.bound_share, tuning.ROUTES.bound_seconds)
         lone = dict(self.lone)
-        for name, graph in self.visits.items():
-            lone[name] = climb(graph, _left(work, lone, name), deadline.over)
+        for name, climb in self.visits.items():
+            lone[name] = climb.bound(_left(work, lone, name), deadline.over)
         found = _told(work, lone)
         names = [n for n in work.compiled.mission.agents if fits(work.compiled, n)]
         if names:

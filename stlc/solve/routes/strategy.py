@@ -15,6 +15,7 @@ from stlc.milp.model import Model
 from stlc.mission import TermKind
 from stlc.solve import tuning
 from stlc.solve.certify import continuous_part
+from stlc.solve.deadline import Deadline
 from stlc.solve.routes.bounds import Bounds
 from stlc.solve.routes.finder import Effort, Routes
 from stlc.solve.routes.tube import covers, tube
@@ -50,25 +51,50 @@ def applies(work: Work) -> bool:
 
 
 def _run(work: Work) -> Work | Solution:
-    """A moment for the whole model; then a first plan by beams, better ones, and a bound."""
+    begun = _glanced(work)
+    if begun is None or isinstance(begun, Solution):
+        return work if begun is None else begun  # infeasible: settled by the whole model
+    work = begun
+    moment = work.deadline.share(tuning.ROUTES.share, tuning.ROUTES.seconds)
+    bounds = Bounds.of(work.compiled, moment.over)
+    if bounds is not None and bounds.hopeless():
+        return work.without_plan("ways from visit to visit")
+    found = work
+    if bounds is not None and work.x is None:
+        found = _visiting(work, bounds, moment)
+    found = _first_plan(found) if found.x is None else found
+    if found.x is None:
+        return found
+    better = _bettered(found, tuning.ROUTES.better_share)
+    return bounds.better(better) if bounds is not None and isinstance(better, Work) else better
+
+
+def _glanced(work: Work) -> Work | Solution | None:
+    """The work after a moment of a plain solve, where none was tried before (`brief`); None where
+    that says infeasible or fails."""
+    if np.isfinite(work.bound):
+        return work
     moment = work.deadline.share(tuning.ROUTES.share, tuning.ROUTES.glance)
     glance = _solved(work, work.compiled.model, moment.left, work.options.gap)
     if glance is not None and glance.status is Status.OPTIMAL:
         return work.concluded(glance)
     if glance is None or glance.status is Status.INFEASIBLE:
-        return work  # settled by the whole model
+        return None
     if glance.bound is not None:
         work = work.with_bound(glance.bound)
-    work = work.with_point(glance.x, "")
-    moment = work.deadline.share(tuning.ROUTES.share, tuning.ROUTES.seconds)
-    bounds = Bounds.of(work.compiled, moment.over)
-    if bounds is not None and bounds.hopeless():
-        return work.without_plan()
-    found = _first_plan(work) if work.x is None else work
-    if found.x is None:
-        return found
-    better = _bettered(found, tuning.ROUTES.better_share)
-    return bounds.better(better) if bounds is not None and isinstance(better, Work) else better
+    return work.with_point(glance.x, "")
+
+
+def _visiting(work: Work, bounds: Bounds, moment: Deadline) -> Work:
+    """A first plan with visits where, or near where, the bound has them."""
+    for room in tuning.ROUTES.rooms:
+        model = bounds.visiting(work.compiled, room, moment.over)
+        if model is None or moment.over():
+            break
+        found = _solved(work, model, tuning.ROUTES.repair_seconds, tuning.ROUTES.rough)
+        if found is not None and found.x is not None:
+            return work.with_point(found.x, FINDER)
+    return work
 
 
 def _first_plan(work: Work) -> Work:

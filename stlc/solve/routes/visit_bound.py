@@ -152,6 +152,22 @@ class Priced:
         """The least cost of a way: a bound."""
         return float(self.to_go(self.legs(prices)[0], self.last(prices)[0])[0])
 
+    def way(self, prices: Floats) -> Ints:
+        """Kinds and steps (k, 2) of the visits of the cheapest way."""
+        ways, (last, _) = self.ways, self.last(prices)
+        cost = self.legs(prices)[0]
+        ahead, ends = self.to_go(cost, last), np.full(len(ways.stops), np.inf)
+        ends[ways.ends] = last[ways.stops[ways.ends]]
+        node, found = 0, list[Ints]()
+        while ends[node] > ahead[node]:
+            arcs = self._order[np.searchsorted(ways.source[self._order], [node, node + 1])[0] :]
+            arcs = arcs[ways.source[arcs] == node]
+            node = int(
+                ways.target[arcs[np.argmin(cost[ways.leg[arcs]] + ahead[ways.target[arcs]])]]
+            )
+            found.append(ways.stop[ways.stops[node], 1:])
+        return np.array(found, np.int64).reshape(-1, 2)
+
     def below(self, prices: Floats, most: float) -> Priced:
         """Without the arcs that lie on no way that costs less than `most`."""
         ways = self.ways
@@ -169,30 +185,61 @@ class Priced:
         return len(self.ways.stops) > 0
 
 
-def climb(graph: Priced, most: float, over: Callable[[], bool]) -> float:
-    """A bound on what the visits cost, `most` where all ways cost at least that.
+@dataclass(slots=True, eq=False)
+class Climb:
+    """Prices of a graph as far as they have risen; `best` is proven for plans that cost less than
+    what was known when it was found."""
 
-    Prices are bettered as long as it is worth it and nobody says `over`.
-    """
-    if not graph.possible:
-        return most
-    prices = np.zeros((len(graph.ways.stop), 2, 2))
-    best, climbing = max(graph.least(prices), 0.0), tuning.ROUTES
-    inner = graph.ways.stop[:, 2] > 0
-    prices[inner] = np.random.default_rng(0).normal(scale=_STIR, size=prices[inner].shape)
-    for _ in range(climbing.climbs):
-        heat, before = climbing.heat * (most - best), best
-        if not np.isfinite(heat) or heat <= 0 or over():
-            break
+    graph: Priced
+    prices: Floats = field(init=False)
+    best: float = 0.0
+    _guess: Ints | None = None
+
+    def __post_init__(self) -> None:
+        self.prices = np.zeros((len(self.graph.ways.stop), 2, 2))
+        inner = self.graph.ways.stop[:, 2] > 0
+        if self.graph.possible:
+            self.best = max(self.graph.least(self.prices), 0.0)
+        stir = np.random.default_rng(0).normal(scale=_STIR, size=self.prices[inner].shape)
+        self.prices[inner] = stir
+
+    def guess(self, over: Callable[[], bool]) -> Ints:
+        """The cheapest way when prices have risen a little, with no plan known: kinds and steps
+        (k, 2) of its visits."""
+        if self._guess is not None:
+            return self._guess
+        rates = np.array([np.abs(axis.box[:, 2:]).max() * axis.change_cost.max()
+                          for axis in self.graph.body.axes])  # fmt: skip
+        most = float(rates.sum()) * len(self.graph.way(self.prices))
+        for _ in range(tuning.ROUTES.guesses):
+            if over() or most <= 0:
+                break
+            self._rise(tuning.ROUTES.heat * most)
+            most = max(self.best, _WORTH * most)
+        self._guess = self.graph.way(self.prices)
+        return self._guess
+
+    def bound(self, most: float, over: Callable[[], bool]) -> float:
+        """A bound on what the visits cost, `most` where all ways cost at least that."""
+        if not self.graph.possible:
+            return most
+        for _ in range(tuning.ROUTES.climbs):
+            gap, before = most - self.best, self.best
+            if not np.isfinite(gap) or gap <= 0 or over():
+                break
+            self._rise(tuning.ROUTES.heat * gap)
+            self.best = min(self.best, most)
+            self.graph = self.graph.below(self.prices, most)
+            if not len(self.graph.ways.source) or self.best - before < _WORTH * (most - self.best):
+                break
+        return min(self.best, most)
+
+    def _rise(self, heat: float) -> None:
+        """Better prices by so many steps."""
         with np.errstate(all="ignore"):
-            prices = _ascended(graph, prices, heat)
-        best = min(max(best, graph.least(prices)), most)
-        graph = graph.below(prices, most)
-        if not len(graph.ways.source) or best - before < _WORTH * (most - best):
-            break
-    return best
-
-
-def _ascended(graph: Priced, prices: Floats, heat: float) -> Floats:
-    found = climbed(lambda z: graph.soft(z, heat), prices, heat, tuning.ROUTES.climb_rounds)
-    return found if np.isfinite(found).all() else prices
+            found = climbed(
+                lambda z: self.graph.soft(z, heat), self.prices, heat, tuning.ROUTES.climb_rounds
+            )
+        if np.isfinite(found).all():
+            self.prices = found
+        self.best = max(self.best, self.graph.least(self.prices))
