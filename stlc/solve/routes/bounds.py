@@ -72,9 +72,10 @@ class Bounds:
                 upper[columns] = np.minimum(upper[columns], boxes[:, d, 1] + wide)
         return replace(model, col_lower=np.minimum(lower, upper), col_upper=upper)
 
-    def better(self, work: Work) -> Work:
-        """The work with the best bounds that there is time for, as rows too."""
-        deadline = work.deadline.share(tuning.ROUTES.bound_share, tuning.ROUTES.bound_seconds)
+    def better(self, work: Work, share: float) -> Work:
+        """The work with the best bounds that there is time for, as rows too; `share` of the time
+        that is left."""
+        deadline = work.deadline.share(share, tuning.ROUTES.bound_seconds)
         lone = dict(self.lone)
         for name, climb in self.visits.items():
             lone[name] = climb.bound(_left(work, lone, name), deadline.over)

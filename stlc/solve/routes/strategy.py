@@ -26,10 +26,12 @@ _NEEDED = Capability.TIME_LIMIT | Capability.GAP
 
 
 def applies(work: Work) -> bool:
-    """No plan yet, no robustness to maximise, agents that are somewhere and have bounded inputs
-    and no turning rate, formulas of and, or and predicates, a model not solved in a moment."""
+    """No plan yet, or one agent alone; no robustness to maximise, agents that are somewhere and
+    have bounded inputs and no turning rate, formulas of and, or and predicates, a model that is
+    not solved in a moment."""
     mission = work.compiled.mission
-    if work.x is not None or work.compiled.robustness or not work.can(_NEEDED):
+    late = work.x is not None and len(mission.agents) > 1
+    if late or work.compiled.robustness or not work.can(_NEEDED):
         return False
     pairs = any(
         all(end in mission.agents for end in pair)
@@ -51,7 +53,9 @@ def applies(work: Work) -> bool:
 
 
 def _run(work: Work) -> Work | Solution:
-    begun = _glanced(work)
+    """A first plan by ways from visit to visit or else by beams, better ones near it, bounds; where
+    a plan is known, a bound alone."""
+    known, begun = work.x is not None, _glanced(work)
     if begun is None or isinstance(begun, Solution):
         return work if begun is None else begun  # infeasible: settled by the whole model
     work = begun
@@ -59,6 +63,8 @@ def _run(work: Work) -> Work | Solution:
     bounds = Bounds.of(work.compiled, moment.over)
     if bounds is not None and bounds.hopeless():
         return work.without_plan("ways from visit to visit")
+    if known:
+        return work if bounds is None else bounds.better(work, tuning.ROUTES.known_share)
     found = work
     if bounds is not None and work.x is None:
         found = _visiting(work, bounds, moment)
@@ -66,15 +72,18 @@ def _run(work: Work) -> Work | Solution:
     if found.x is None:
         return found
     better = _bettered(found, tuning.ROUTES.better_share)
-    return bounds.better(better) if bounds is not None and isinstance(better, Work) else better
+    if bounds is None or isinstance(better, Solution):
+        return better
+    return bounds.better(better, tuning.ROUTES.bound_share)
 
 
 def _glanced(work: Work) -> Work | Solution | None:
-    """The work after a moment of a plain solve, where none was tried before (`brief`); None where
-    that says infeasible or fails."""
-    if np.isfinite(work.bound):
+    """The work after a moment of a plain solve: a longer one where a plan is known, none where one
+    was tried in vain before (`brief`); None where that says infeasible or fails."""
+    if work.x is None and np.isfinite(work.bound):
         return work
-    moment = work.deadline.share(tuning.ROUTES.share, tuning.ROUTES.glance)
+    seconds = tuning.ROUTES.glance if work.x is None else tuning.ROUTES.known_glance
+    moment = work.deadline.share(tuning.ROUTES.share, seconds)
     glance = _solved(work, work.compiled.model, moment.left, work.options.gap)
     if glance is not None and glance.status is Status.OPTIMAL:
         return work.concluded(glance)
