@@ -15,7 +15,6 @@ from stlc.milp.model import Model
 from stlc.mission import TermKind
 from stlc.solve import tuning
 from stlc.solve.certify import continuous_part
-from stlc.solve.deadline import Deadline
 from stlc.solve.routes.bounds import Bounds
 from stlc.solve.routes.finder import Effort, Routes
 from stlc.solve.routes.tube import covers, tube
@@ -67,7 +66,7 @@ def _run(work: Work) -> Work | Solution:
         return work if bounds is None else bounds.better(work, tuning.ROUTES.known_share)
     found = work
     if bounds is not None and work.x is None:
-        found = _visiting(work, bounds, moment)
+        found = _visiting(work, bounds)
     found = _first_plan(found) if found.x is None else found
     if found.x is None:
         return found
@@ -94,15 +93,18 @@ def _glanced(work: Work) -> Work | Solution | None:
     return work.with_point(glance.x, "")
 
 
-def _visiting(work: Work, bounds: Bounds, moment: Deadline) -> Work:
+def _visiting(work: Work, bounds: Bounds) -> Work:
     """A first plan with visits where, or near where, the bound has them."""
+    moment = work.deadline.share(tuning.ROUTES.share, tuning.ROUTES.seconds)
     for room in tuning.ROUTES.rooms:
         model = bounds.visiting(work.compiled, room, moment.over)
-        if model is None or moment.over():
+        if model is None:
             break
         found = _solved(work, model, tuning.ROUTES.repair_seconds, tuning.ROUTES.rough)
         if found is not None and found.x is not None:
             return work.with_point(found.x, FINDER)
+        if moment.over():
+            break
     return work
 
 
