@@ -24,7 +24,9 @@ def show_shape(shape: ast.Shape) -> str:
             end = " linear" if shape.linear else ""
             return f"moving {{ {'; '.join(frames)} }}{end}"
         case ast.Prism():
-            return f"{_part(shape.base)} x [{show_list(shape.z)}]"
+            base = shape.base
+            flat = f"({show_shape(base)})" if isinstance(base, ast.Prism) else _part(base)
+            return f"{flat} x [{show_list(shape.z)}]"
         case ast.Union():
             return " + ".join(_part(part) for part in shape.parts)
         case _:

@@ -144,6 +144,7 @@ class Trees:
         ]
         nested = [
             lambda: ast.Union(HERE, self.some(self.shape, 2, 3)),
+            lambda: ast.Prism(HERE, self.shape(), self.pair()),
             lambda: ast.Moving(HERE, self.some(lambda: (self.expr(), self.shape()), 1, 2)),
         ]
         shape: ast.Shape = self.random.choice(plain + nested if self.budget > 0 else plain)()
