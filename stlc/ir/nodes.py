@@ -63,10 +63,34 @@ class Node:
     def __eq__(self, other: object) -> bool:
         if self is other:
             return True
-        if type(self) is not type(other):
+        if not isinstance(other, Node) or type(self) is not type(other):
             return False
-        assert isinstance(other, Node)
-        return self._hash == other._hash and self.key == other.key
+        if self._hash != other._hash:
+            return False
+        return _equal(self, other) if self.children else self.key == other.key
+
+
+def _equal(one: Node, other: Node) -> bool:
+    """Structural equality without recursion, each pair of parts compared once.
+
+    A formula that uses its parts often, told twice, has more paths than could ever be walked.
+    """
+    seen: set[tuple[int, int]] = set()
+    todo = [(one, other)]
+    while todo:
+        a, b = todo.pop()
+        if a is b or (id(a), id(b)) in seen:
+            continue
+        if type(a) is not type(b) or a._hash != b._hash or _own(a) != _own(b):
+            return False
+        seen.add((id(a), id(b)))
+        todo += zip(a.children, b.children, strict=True)
+    return True
+
+
+def _own(node: Node) -> tuple[object, ...]:
+    """The key but for the parts, and how many of these there are."""
+    return (len(node.children), *(part for part in node.key if not isinstance(part, Node)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

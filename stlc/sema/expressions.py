@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import groupby
+
 from stlc.ir.nodes import Const, Role, Signal
 from stlc.sema import scalars, units
 from stlc.sema.calls import call
@@ -137,10 +139,18 @@ def plain_let(found: ast.Let, expr: ast.Name, env: Env, scope: Scope) -> Value:
 def arithmetic(expr: ast.Arithmetic, env: Env, scope: Scope) -> Scalar:
     """A chain of operations, from the left; long chains don't nest."""
     chain = expr.spine
-    total = scope.scalar(chain[0].left, env)
-    for link in chain:
-        total = operation(link, total, scope.scalar(link.right, env))
-    return total
+    result = scope.scalar(chain[0].left, env)
+    for sum_, links in groupby(chain, lambda link: link.operator in _SIGNS):
+        if sum_:
+            parts = ((_SIGNS[k.operator], scope.scalar(k.right, env), k.span) for k in links)
+            result = scalars.total(result, parts)
+        else:
+            for link in links:
+                result = operation(link, result, scope.scalar(link.right, env))
+    return result
+
+
+_SIGNS = {"+": 1.0, "-": -1.0}
 
 
 def operation(expr: ast.Arithmetic, left: Scalar, right: Scalar) -> Scalar:

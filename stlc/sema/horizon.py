@@ -33,22 +33,28 @@ class Reach:
 
     def of(self, node: Node) -> int:
         """Steps after the present one that the formula needs."""
-        found = self.known.get(id(node))
-        if found is None:
-            found = self._compute(node)
-            self.known[id(node)] = found
-            self.kept.append(node)
-        return found
+        todo = [node]
+        while todo:  # formulas may be deeper than Python's stack
+            part = todo[-1]
+            unknown = [child for child in part.children if id(child) not in self.known]
+            todo += unknown
+            if not unknown:
+                self.known[id(part)] = self._compute(part)
+                self.kept.append(part)
+                todo.pop()
+        return self.known[id(node)]
 
     def _compute(self, node: Node) -> int:
+        """The same of a node whose parts are known."""
+        parts = max((self.known[id(child)] for child in node.children), default=0)
         match node:
             case Linear(terms=terms):
                 return max((s.shift + (s.role is Role.INPUT) for s, _ in terms), default=0)
             case Link(shift=shift):
                 return shift
             case Always() | Eventually() | Until() | Release():
-                return self._window(node) + max(self.of(c) for c in node.children)
-        return max((self.of(c) for c in node.children), default=0)
+                return self._window(node) + parts
+        return parts
 
     def _window(self, node: Temporal) -> int:
         if node.end is None:

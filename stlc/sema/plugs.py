@@ -1,14 +1,22 @@
-"""Plugs between places that an agent keeps out of together, by step, in the frame of each."""
+"""Plugs between places that an agent keeps out of together, by step, in the frame of each.
+
+Only steps at which the boxes of both touch are looked at, and the plugs of two that move alike are
+worked out once.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from stlc.places import Sweep
+from stlc.arrays import Floats
+from stlc.places import Polytope, Sweep
+from stlc.sema.contacts import TOUCH
+from stlc.sema.geometry import Point
 from stlc.sema.junctions import meeting, plugs_between
-from stlc.sema.tracks import lasting
+from stlc.sema.tracks import SAME, lasting, translated
 from stlc.sema.values import Place
 
 Sweeps = tuple[Sweep, ...]
@@ -26,20 +34,78 @@ def box_of(place: Place) -> tuple[float, float, float, float]:
 
 def _steps(places: Sequence[Place], swept: bool) -> Iterator[list[Sweep]]:
     """What to keep out of at each step, the last one staying."""
-    tracks = [p.sweeps if swept else tuple(Sweep(pieces) for pieces in p.barriers) for p in places]
+    tracks = [_track(p, swept) for p in places]
     for t in range(max(map(len, tracks))):
         yield [track[min(t, len(track) - 1)] for track in tracks]
 
 
+def _track(place: Place, swept: bool) -> Sequence[Sweep]:
+    return place.sweeps if swept else tuple(Sweep(pieces) for pieces in place.barriers)
+
+
 def plugs_of_two(a: Place, b: Place, swept: bool) -> list[Sweeps]:
-    """Plugs at each step, in the frame of either where the two move differently until the next."""
+    """Plugs at each step, in the frame of either where the two move differently until the next.
+
+    One sweep a step in each of the two tracks; tracks without any plug are left out.
+    """
     found = []
-    for x, y in _steps((a, b), swept):
-        if np.abs(np.subtract(x.move, y.move)).max() <= 1e-9:
-            found.append((Sweep(plugs_between(x.pieces, y.pieces), x.move), Sweep(())))
+    near = _near_each_other([_track(p, swept) for p in (a, b)])
+    known = _Known()
+    for (x, y), close in zip(_steps((a, b), swept), near, strict=True):
+        if not close:
+            found.append((Sweep((), x.move), Sweep(())))
+        elif np.abs(np.subtract(x.move, y.move)).max() <= 1e-9:
+            found.append((Sweep(known.plugs(x.pieces, y.pieces), x.move), Sweep(())))
         else:
             found.append((_carried(x, y), _carried(y, x)))
     return [sweeps for sweeps in zip(*found, strict=True) if any(s.pieces for s in sweeps)]
+
+
+def _near_each_other(tracks: Sequence[Sequence[Sweep]]) -> list[bool]:
+    """At which steps the boxes of two bodies touch: plugs lie where their pieces do."""
+    count = max(map(len, tracks))
+    low, high = np.empty((2, count, 2)), np.empty((2, count, 2))
+    for k, track in enumerate(tracks):
+        for t, sweep in enumerate(track):
+            corners = _corners(sweep.pieces)
+            low[k, t], high[k, t] = corners.min(axis=0), corners.max(axis=0)
+        low[k, len(track) :], high[k, len(track) :] = (
+            low[k, len(track) - 1],
+            high[k, len(track) - 1],
+        )
+    meets = low.max(axis=0) <= high.min(axis=0) + 2.0 * TOUCH
+    return [bool(m) for m in meets.all(axis=1)]
+
+
+def _corners(pieces: Sequence[Polytope]) -> Floats:
+    return pieces[0].vertices if len(pieces) == 1 else np.vstack([p.vertices for p in pieces])
+
+
+@dataclass(slots=True)
+class _Known:
+    """Plugs of two bodies that move alike: worked out once, then carried along."""
+
+    one: Sequence[Polytope] = ()
+    other: Sequence[Polytope] = ()
+    made: tuple[Polytope, ...] = ()
+
+    def plugs(self, one: Sequence[Polytope], other: Sequence[Polytope]) -> tuple[Polytope, ...]:
+        """`plugs_between`."""
+        by = self._carried(one, other)
+        if by is None:
+            self.one, self.other, self.made = one, other, plugs_between(one, other)
+            return self.made
+        return tuple(translated(p, by) for p in self.made)
+
+    def _carried(self, one: Sequence[Polytope], other: Sequence[Polytope]) -> Point | None:
+        """How both moved since plugs were worked out [m], None where not alike."""
+        if (len(self.one), len(self.other)) != (len(one), len(other)):
+            return None
+        before, after = _corners([*self.one, *self.other]), _corners([*one, *other])
+        if before.shape != after.shape or np.ptp(after - before, axis=0).max() > SAME:
+            return None
+        x, y = after[0] - before[0]
+        return float(x), float(y)
 
 
 def plugs_of_three(places: Sequence[Place], swept: bool) -> list[Sweeps]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from math import isfinite
 
@@ -28,6 +29,34 @@ def add(a: Scalar, b: Scalar, span: Span, sign: float = 1.0) -> Scalar:
     if a.is_constant and b.is_constant:
         return Scalar(total, unit=unit, index=a.index or b.index)
     return few(Scalar(total, _merge(a, b, sign), _merge_folds(a, b, sign), unit), span)
+
+
+def total(first: Scalar, parts: Iterable[tuple[float, Scalar, Span]]) -> Scalar:
+    """first + sum of sign * part, as `add` one after the other, in time linear in the terms.
+
+    Raises Mistake as `add` does, at the span of the part.
+    """
+    for sign, part, span in (given := iter(parts)):
+        first = add(first, part, span, sign)
+        if len(first.terms) > _FEW:
+            return _longer(first, given)
+    return first
+
+
+_FEW = 16  # terms that are copied sooner than counted in
+
+
+def _longer(first: Scalar, parts: Iterable[tuple[float, Scalar, Span]]) -> Scalar:
+    """`total` of a sum with many terms already."""
+    constant, terms, folds, unit = first.constant, dict(first.terms), first.folds, first.unit
+    for sign, part, span in parts:
+        unit = _sum_unit(unit, part.unit, span, sign)
+        constant = finite(constant + sign * part.constant, span)
+        for atom, coefficient in part.terms:
+            terms[atom] = terms.get(atom, 0.0) + sign * coefficient
+        if part.folds:
+            folds = few(Scalar(folds=_merge_folds(Scalar(folds=folds), part, sign)), span).folds
+    return Scalar(constant, tuple((k, v) for k, v in terms.items() if v != 0.0), folds, unit)
 
 
 def few(scalar: Scalar, span: Span) -> Scalar:

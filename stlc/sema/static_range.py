@@ -53,13 +53,17 @@ class StaticRange:
 
     def of(self, node: Node, first: bool) -> Interval:
         """Interval of the formula, judged at step 0 (`first`) or at any step."""
-        key = (id(node), first)
-        found = self.known.get(key)
-        if found is None:
-            found = self._compute(node, first)
-            self.known[key] = found
-            self.kept.append(node)
-        return found
+        known, todo = self.known, [(node, first)]
+        while todo and (id(node), first) not in known:  # deeper than Python's stack, maybe
+            part, start = todo[-1]
+            asked = [(c, s) for c in part.children for s in ((True, False) if start else (False,))]
+            unknown = [(c, s) for c, s in asked if (id(c), s) not in known]
+            todo += unknown
+            if not unknown:
+                known[id(part), start] = self._compute(part, start)
+                self.kept.append(part)
+                todo.pop()
+        return known[id(node), first]
 
     def _compute(self, node: Node, first: bool) -> Interval:
         """An interval that holds the robustness at the start (`first`), or at any step."""

@@ -8,7 +8,7 @@ import pytest
 
 from stlc.api import load, loads
 from stlc.errors import MissionError
-from stlc.ir.nodes import Linear
+from stlc.ir.nodes import And, Linear, Node, Not, Role, Signal, walk
 from stlc.sema import scope
 
 AGENT = "horizon 3\nagent r : double_integrator { start (1, 1); control |u| <= 1 }\n"
@@ -88,3 +88,35 @@ def test_a_long_chain_of_imports_is_no_circle(tmp_path: Path) -> None:
     with pytest.raises(MissionError) as caught:
         load(tmp_path / "l0.stl")
     assert caught.value.diagnostics[0].code == "E0212"
+
+
+def test_formulas_that_use_others_twice_are_compared_once() -> None:
+    """Told by a number of their own, two equal ones have more paths than could be walked."""
+
+    def doubled(levels: int) -> Node:
+        node: Node = Linear(((Signal("r", Role.STATE, 0), 1.0),), 0.0, "m")
+        for _ in range(levels):
+            node = And((node, Not(node)))
+        return node
+
+    assert doubled(3000) == doubled(3000)
+    assert doubled(3000) != doubled(2999)
+    chain = "".join(f"let f{k} = f{k - 1} and not f{k - 1}\n" for k in range(1, 501))
+    text = f"{AGENT}let f0 = r.x >= 0\n{chain}require: f500\n"
+    assert loads(text).requirements
+
+
+def test_long_sums_are_what_short_ones_are() -> None:
+    """Added up at once from a number of terms on, with the same units and signs."""
+    signals = "".join(f"signal s{k}\n" for k in range(400))
+    terms = " + ".join(f"s{k}" for k in range(400))
+    less = "".join(f" - 2 * s{k} + 1" for k in range(0, 400, 2))
+    mission = loads(f"step 1 s\n{signals}require: always ({terms}{less} >= 0)\n")
+    (found,) = (n for n in walk(mission.requirements[0].formula) if isinstance(n, Linear))
+    factors = {signal.owner: factor for signal, factor in found.terms}
+    assert factors == {f"s{k}": 1.0 if k % 2 else -1.0 for k in range(400)}
+    assert found.constant == 200.0
+    gone = f"require: always ({terms} - {terms.replace(' + ', ' - ')} >= -1)\n"
+    assert loads(f"step 1 s\n{signals}{gone}").requirements
+    with pytest.raises(MissionError, match="E03"):
+        loads(f"step 1 s\n{signals}require: always ({terms} + 1 m + 1 s >= 0)\n")
