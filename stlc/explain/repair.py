@@ -126,6 +126,8 @@ class Repairer:
             made = others if smaller is None else (*others, smaller)
         changed = self._loaded(mission, made)
         if changed is None or (made != first and self._planned(changed) is not Verdict.FEASIBLE):
+            made, changed = first, self._loaded(mission, first)  # which has given a plan
+        if changed is None:
             return None
         ordered = tuple(sorted(made, key=lambda s: s.replacements[0].span.start))
         return Change(ordered, changed.source.text)
