@@ -99,7 +99,7 @@ class Route:
     share: float = 0.3  # of the time that is left: for the glance, for a first plan
     seconds: float = 25.0  # for a first plan
     efforts: tuple[tuple[int, int, float, float], ...] = (
-        (400, 2, 0.3, 3.0), (1500, 2, 0.0, 1.0), (1500, 2, 0.0, 3.0), (1500, 2, 0.3, 3.0),
+        (1500, 2, 0.0, 1.0), (400, 2, 0.3, 3.0), (1500, 2, 0.0, 3.0), (1500, 2, 0.3, 3.0),
         (1500, 3, 0.0, 1.0), (2000, 6, 0.2, 1.0), (3000, 4, 0.2, 3.0), (8000, 2, 0.0, 2.0),
         (8000, 4, 0.2, 2.0),
     )  # width, parts, miss, greed  # fmt: skip
