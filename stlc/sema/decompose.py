@@ -120,6 +120,7 @@ class _Rings:
         self.before = {f: e for e, f in self.after.items()}
         self._longest = {e: size for c in chains for size in [max(map(_length, c))] for e in c}
         self._ring = {e: c[0] for c in chains for e in c}  # one step nearer to a ring's own edge
+        self._start = {c[0]: c[0] for c in chains}  # by a ring's own edge: where it is told from
 
     def join(self, edge: Edge) -> None:
         """Take away a common edge (u, v) of two rings if their union is convex.
@@ -140,6 +141,8 @@ class _Rings:
         for gone in (edge, back):
             del self.after[gone], self.before[gone]
         self._ring[other], self._longest[one] = one, longest
+        self._start[one] = bends[1][1]
+        del self._start[other]
 
     def _of(self, edge: Edge) -> Edge:
         """The edge that stands for a ring, paths to it halved on the way."""
@@ -149,16 +152,14 @@ class _Rings:
         return edge
 
     def left(self) -> list[Ring]:
-        """The rings, each from the first of its edges on."""
-        found, seen = [], set[Edge]()
-        for start in self.after:
-            ring, edge = [], start
-            while edge not in seen:
-                seen.add(edge)
+        """The rings in the order of those that took others in: pieces grow in this order."""
+        found = []
+        for start in self._start.values():
+            ring, edge = [start[0]], self.after[start]
+            while edge != start:
                 ring.append(edge[0])
                 edge = self.after[edge]
-            if ring:
-                found.append(tuple(ring))
+            found.append(tuple(ring))
         return found
 
 

@@ -19,7 +19,7 @@ from stlc.sema.channel_errors import BadLink, BadNetwork
 from stlc.sema.compare import QUANTITY_UNITS, Operator
 from stlc.sema.name_errors import EmptyDomain, NoPosition, WrongKind
 from stlc.sema.quantifiers import instances
-from stlc.sema.report import Mistake
+from stlc.sema.report import Mistake, Reported
 from stlc.sema.scope import Scope, as_scalar
 from stlc.sema.values import (
     ChannelName,
@@ -151,6 +151,8 @@ def _network(
     assert condition is not None
     channel = asked.channel or link_calls.only_channel(expr.function.span, scope)
     scope.used.add(channel)
+    if channel not in scope.channels:
+        raise Reported
     wanted = _named(condition)
     for quantity in wanted.values():
         if quantity is not Quantity.COST:

@@ -122,9 +122,7 @@ def _close(grown: list[Polytope], pair: tuple[int, int], met: Contact) -> list[P
 
 def _over(piece: Polytope, face: int, other: Polytope) -> Polytope | None:
     """The piece grown over a face into the other piece: parallel, or by a gable."""
-    start, end = _ends(piece, face)
-    width = float(np.ptp(other.vertices @ piece.normals[face]))
-    room = min(width / 2.0, float(np.hypot(*(end - start))))  # far on, others' growth is met
+    room = float(np.ptp(other.vertices @ piece.normals[face])) / 2.0
     while room > DEEP:
         moved = shifted(piece, face, room)
         if moved is not None and all(contains(other, p, -1e-9) for p in _ends(moved, face)):

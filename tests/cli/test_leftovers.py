@@ -48,7 +48,7 @@ def test_nothing_stays_behind(name: str, end: str, tmp_path: Path) -> None:
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ, "TMPDIR": str(scratch)},
     )  # fmt: skip
     wait_for(process, "statistics" if name == "solve" else "status")
-    assert comes_true(lambda: any(scratch.iterdir()))
+    assert comes_true(lambda: any(scratch.glob("stlc-*")))  # not Python's own probe
     for number in ENDS[end]:
         process.send_signal(number)
         time.sleep(0.02)

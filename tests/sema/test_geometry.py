@@ -23,7 +23,7 @@ from stlc.sema.geometry import (
     simplified,
     within,
 )
-from stlc.sema.seams import closed
+from stlc.sema.seams import closed, overlapping
 from stlc.sema.tracks import lasting
 
 Ring = list[Point]
@@ -186,3 +186,10 @@ def test_what_a_moving_piece_covers_all_the_time(move: tuple[float, float], area
     piece = polytope([(0, 0), (2, 0), (2, 1), (0, 1)])
     found = lasting([piece], np.array(move))
     assert sum(shapely.Polygon(p.vertices).area for p in found) == pytest.approx(area)
+
+
+def test_a_narrow_piece_reaches_half_way_into_a_wide_one() -> None:
+    """A motion of one step has to stay in one piece: the further they overlap, the better."""
+    corridor, room = box((0.0, 1.0), (0.0, 0.2)), box((1.0, 5.0), (-2.0, 2.0))
+    grown = overlapping((corridor, room))
+    assert max(p.vertices[:, 0].max() for p in grown if p.vertices[:, 1].max() < 0.3) == 3.0

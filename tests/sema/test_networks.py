@@ -121,3 +121,28 @@ def test_texts_of_the_representation_and_of_files_read_back(text: str) -> None:
     printed = format_file(parse(Source("a.stl", source)).file)
     assert text in printed
     assert loads(printed).requirements[0].formula == node
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "require always route(a, base, hops <= 2, prr >= 0.9)",
+        "require always connected([a, b, base], radio, rssi >= -60 dBm)",
+        "require always count(x in agents: rssi(x, base) >= -60 dBm) >= 1",
+        "require always link_cost(radio, (a, b)) <= 3",
+        "minimize link_cost(radio, (a, b))",
+    ],
+)
+def test_a_channel_with_mistakes_is_the_only_mistake(line: str) -> None:
+    text = f"""step 1 s
+horizon 2
+workspace box [0, 9] x [0, 9]
+agent a : single_integrator {{ start (1, 1); control |u| <= 1 }}
+agent b : single_integrator {{ start (2, 1); control |u| <= 1 }}
+station base at (5, 5)
+channel radio {{ }}
+{line}
+"""
+    with pytest.raises(MissionError) as caught:
+        loads(text)
+    assert {d.code for d in caught.value.diagnostics} == {"E0601"}
