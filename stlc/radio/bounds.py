@@ -32,7 +32,7 @@ Ints = NDArray[np.intp]
 Interval = tuple[Array, Array]
 
 FINEST = 8
-"""Most parts along an axis of a cell; its square towards a station."""
+"""Most parts along an axis of a cell; its square towards a station, as many parts in space."""
 
 EVERYWHERE = (-np.inf, np.inf)
 """A focus on all levels."""
@@ -111,7 +111,7 @@ class _Search:
     def run(self, left: Boxes, right: Boxes, budget: float) -> int:
         """Refine until tight, or the budget or the finest cut is reached; returns the cut."""
         axes = [int((end.half > 0).any(axis=0).sum()) for end in (left, right)]
-        finest = FINEST if min(axes) else FINEST**2
+        finest = FINEST if min(axes) else min(FINEST**2, round(FINEST ** (4 / max(*axes, 1))))
         cost = self._cost()
         rows, columns = np.indices(self.bounds.shape[1:]).reshape(2, -1)
         active = np.stack([rows, columns])[:, columns >= rows if self.same else slice(None)]

@@ -1,10 +1,12 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from support.radio import conditioned
 
-from stlc.radio.bounds import pair_bounds
+from stlc.radio.bounds import FINEST, pair_bounds
 from stlc.radio.costs import CostName
 from stlc.radio.errors import RadioError
 from stlc.radio.gp import ChannelModel
@@ -21,6 +23,7 @@ from stlc.radio.predicates import (
     threshold_table,
 )
 from stlc.radio.table import cost_table
+from stlc.radio.taylor import Boxes
 
 MODEL, _ = conditioned(15)
 CELLS = grid([-4.0, -3.0, -2.0, 0.0], [-1.0, 0.5, 1.2])
@@ -200,3 +203,18 @@ def test_predicates_check_their_needs():
         check_predicate(MODEL, prr, LinkBudget(-40.0, Modulation.BPSK))
     with pytest.raises(RadioError, match="already averages"):
         check_predicate(MODEL, prr, LinkBudget(-40.0, Modulation.RAYLEIGH_BPSK, packet=32))
+
+
+def test_tall_cells_are_cut_into_no_more_parts_than_flat_ones():
+    """A cell of one layer is 1 m wide and 100 m high: cut as finely as in the plane, its parts
+    would take 6 MB a cell."""
+    model = replace(MODEL, posterior=None)
+    cell = Boxes(np.array([[3.0, 4.0, 50.0]]), np.array([[0.5, 0.5, 50.0]]))
+    post = Boxes(np.zeros((1, 3)), np.zeros((1, 3)))
+    found = pair_bounds(model, cell, post, fading=False)
+    assert found.parts**3 <= FINEST**4
+    rng = np.random.default_rng(0)
+    at = cell.centre + rng.uniform(-1, 1, (500, 3)) * cell.half
+    mean, _ = predict_pairs(model, at, np.zeros((500, 3)), False)
+    assert (found.mean[0] <= mean.min()).all()
+    assert (mean.max() <= found.mean[1]).all()
