@@ -144,7 +144,7 @@ class _Context(Neighbours):
         text, after = token.text, self._peek()
         opener = {"box": "[", "polygon": "(", "moving": "{"}
         due = self._last in ("EQ", "PLUS", "COLON", "ST_WORKSPACE") and (
-            after.text in ("", "+", ";", "}", "inflate", "velocity", "swept", "sampled")
+            after.text in ("", "+", ";", "}", "x", "inflate", "velocity", "swept", "sampled")
             and text not in ("true", "false")
         )
         if not self.operand and after.text == opener.get(text):

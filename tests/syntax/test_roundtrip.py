@@ -7,7 +7,7 @@ from random import Random
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from stlc.source import Source, Span
@@ -211,6 +211,7 @@ def test_an_expression_is_read_back_as_it_was(seed: int, size: int) -> None:
 
 
 @given(SEEDS, SIZES)
+@example(5145, 7)  # a region called X, between two heights: X is an operator elsewhere
 def test_a_shape_is_read_back_as_it_was(seed: int, size: int) -> None:
     shape = Trees(seed, size).shape()
     statement = only(f"region g = {show_shape(shape)}")
