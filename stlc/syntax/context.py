@@ -144,9 +144,10 @@ class _Context(Neighbours):
         text, after = token.text, self._peek()
         opener = {"box": "[", "polygon": "(", "moving": "{"}
         due = self._last in ("EQ", "PLUS", "COLON", "ST_WORKSPACE") and (
-            after.text in ("", "+", ";", "}", "x", "inflate", "velocity", "swept", "sampled")
+            after.text in ("", "+", ";", "}", "inflate", "velocity", "swept", "sampled")
             and text not in ("true", "false")
         )
+        tall = after.text == "x" and self._peek(2).text == "[" and text not in ("true", "false")
         if not self.operand and after.text == opener.get(text):
             self._emit(text.upper(), token, operand=False)
         elif not self.operand and text == "geojson" and after.kind == STRING:
@@ -160,7 +161,7 @@ class _Context(Neighbours):
             self.shaped = text != "inflate"
         elif self.operand and text in ("swept", "sampled") and self._of_workspace:
             self._emit(text.upper(), token, operand=True)
-        elif due and "(" not in self.frames:
+        elif (tall and not self.operand) or (due and "(" not in self.frames):
             self._emit(NAME, token, operand=True)
         else:
             return False

@@ -211,7 +211,8 @@ def test_an_expression_is_read_back_as_it_was(seed: int, size: int) -> None:
 
 
 @given(SEEDS, SIZES)
-@example(5145, 7)  # a region called X, between two heights: X is an operator elsewhere
+@example(5145, 7)  # regions called X and until, between two heights: operators elsewhere
+@example(349, 7)
 def test_a_shape_is_read_back_as_it_was(seed: int, size: int) -> None:
     shape = Trees(seed, size).shape()
     statement = only(f"region g = {show_shape(shape)}")
