@@ -7,16 +7,17 @@ import re
 from pathlib import Path
 
 import pytest
-from fuzz.corpus import corpus
+from fuzz.corpus import ROOT, corpus
 from fuzz.data import damaged_file
 from fuzz.equivalents import Shift, cut_up, renamed, reordered, rings_turned
 from fuzz.faults import Fault, faults
+from fuzz.fresh import Fresh, place
 from fuzz.inputs import Input, drawn
 from fuzz.pool import KILLED
 from fuzz.shorten import shortened
 from fuzz.text import damaged
 from fuzz.worker import Ran
-from fuzz_missions import Examined, _compared
+from fuzz_missions import Examined, Examiner, _compared
 from truth.draw import draw
 from truth.scene import Obstacle, box
 
@@ -130,3 +131,48 @@ def test_files_stay_in_their_folder(tmp_path: Path) -> None:
     folder.mkdir()
     Input("", "x", {"../out.csv": b"1", "data/in.csv": b"2"}).write(folder)
     assert sorted(p.name for p in tmp_path.rglob("*.csv")) == ["in.csv"]
+
+
+TRACE = """Traceback (most recent call last):
+  File "/a/stlc/api.py", line 3, in load
+    x()
+  File "/b/site-packages/lark/parser.py", line 9, in parse
+    raise ValueError
+  File "/a/stlc/syntax/read.py", line 7, in parsed
+    y()
+KeyError: 'speed'
+error: internal error (KeyError: 'speed').
+"""
+
+
+def test_crashes_of_children_are_placed_as_those_of_the_worker() -> None:
+    assert place(TRACE) == "KeyError at syntax/read.py:parsed: 'speed'"
+    assert place("error: no file\n") == ""
+
+
+def test_children_end_as_users_see_it(tmp_path: Path) -> None:
+    (tmp_path / "m.stl").write_text("require a: nobody.x >= 0\n")
+    ran = Fresh().run(tmp_path, ("check", "m.stl", "--format", "json"), 20.0)
+    assert (ran.status, faults(ran)) == (1, [])
+    assert ran.seconds > 0
+    assert ran.peak > 10 << 20
+
+
+def test_children_that_need_too_long_are_ended(tmp_path: Path) -> None:
+    mission = str(ROOT / "benchmarks" / "missions" / "two_agents_t8.stl")
+    assert Fresh().run(tmp_path, ("solve", mission, "--time-limit", "60"), 0.0).status == KILLED
+
+
+class _Spoilt:
+    """A worker whose output is lost."""
+
+    def run(self, folder: Path, words: tuple[str, ...], cpu_limit: float) -> Ran:
+        return Ran(words[0], 0, "", words=words)
+
+
+def test_what_goes_wrong_in_the_worker_alone_is_no_fault(tmp_path: Path) -> None:
+    text = "agent r : single_integrator { start (1, 1) }\nrequire a: always[0, 1] r.x >= 0 m\n"
+    given = Input("m", text, compiled=False)
+    spoilt = Examiner(_Spoilt(), tmp_path / "case", again=None).examine(given)
+    assert [fault.kind for fault in spoilt.faults] == ["not JSON"]
+    assert not Examiner(_Spoilt(), tmp_path / "case").examine(given).faults
