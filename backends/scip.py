@@ -64,7 +64,10 @@ class Scip:
         if left is not None:
             left = max(left - first.seconds, 0.1)
         extra = {**options.extra, _PRESOLVE: 0}
-        again = self._solve(model, replace(options, time_limit=left, extra=extra))
+        try:
+            again = self._solve(model, replace(options, time_limit=left, extra=extra))
+        except SolverError:  # it has nothing to say against its first answer
+            return first
         if again.x is None:
             return first
         return replace(again, seconds=first.seconds + again.seconds)
@@ -79,7 +82,7 @@ class Scip:
             _start(scip, columns, options.start)
         worker = Worker(options)
         _listen(scip, columns, worker)
-        worker.run(scip.optimizeNogil, scip.interruptSolve)
+        worker.run(lambda: _optimize(scip), scip.interruptSolve)
         status = _status(scip)
         if status is None:
             status = infeasible_or_unbounded(self, model, options)
@@ -121,6 +124,20 @@ def _scip() -> Any:
     import pyscipopt
 
     return pyscipopt
+
+
+def _optimize(scip: Any) -> None:
+    """Solve; SolverError for what SCIP itself fails in, which comes as a plain Exception.
+
+    SCIP 10.0.2 ends some infeasible models with 'unspecified error' when presolve is off and the
+    seed isn't 0.
+    """
+    try:
+        scip.optimizeNogil()
+    except Exception as error:
+        if not str(error).startswith("SCIP: "):
+            raise
+        raise SolverError(f"SCIP failed ({str(error).removeprefix('SCIP: ')})") from error
 
 
 def _loaded(model: Model) -> Any:

@@ -41,7 +41,8 @@ def counter_clockwise(ring: Sequence[Point]) -> tuple[Point, ...]:
 def simplified(ring: Sequence[Point]) -> list[Point]:
     """The ring counter-clockwise, without repeated corners and corners on a straight line.
 
-    Corners go one at a time, so that a fine arc keeps its shape.
+    Corners go one at a time, so that a fine arc keeps its shape. Where a ring turns back on itself
+    the corner stays: a spike of no width isn't part of a simple polygon, and isn't lost silently.
     """
     points = list(counter_clockwise(without_repeats(ring)))
     flat = FLAT * _scale(points)
@@ -57,9 +58,15 @@ def _straightened(points: Sequence[Point], flat: float) -> list[Point]:
     kept: list[Point] = []
     for k, point in enumerate(points):
         last = kept[-1] if kept else points[-1]
-        if abs(turn(last, point, points[(k + 1) % len(points)])) > flat:
+        ahead = points[(k + 1) % len(points)]
+        if abs(turn(last, point, ahead)) > flat or _onward(last, point, ahead) < -flat:
             kept.append(point)
     return kept
+
+
+def _onward(a: Point, b: Point, c: Point) -> float:
+    """The scalar product of the ways from a to b and from b to c: negative where it turns back."""
+    return (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1])
 
 
 def _scale(points: Sequence[Point]) -> float:

@@ -47,8 +47,8 @@ def confirm_infeasible(
     """Let a second solver judge an infeasible claim of `first`; the objective is left out.
 
     `second` is by default another installed solver (`second_opinion`). `confirmed` is False where
-    there is none, it reached its limits, or its own answer is refused. RefutedError names the
-    first solver when the second finds a point and that point is certified.
+    there is none, it failed or reached its limits, or its own answer is refused. RefutedError names
+    the first solver when the second finds a point and that point is certified.
     """
     claim = Solution(Status.INFEASIBLE, solver=first) if isinstance(first, str) else first
     who = claim.solver_version or claim.solver
@@ -57,7 +57,10 @@ def confirm_infeasible(
         return Confirmation(False, "", 0.0, f"{who} says so; no second solver is installed")
     feasibility = replace(model, c=np.zeros(model.columns), offset=0.0)
     asked = replace(options or SolveOptions(), start=None, on_progress=None)
-    answer = second.solve(feasibility, asked)
+    try:
+        answer = second.solve(feasibility, asked)
+    except SolverError as error:
+        return Confirmation(False, second.name, 0.0, f"{who} says so; {error}")
     by = answer.solver_version or second.name
     if answer.status is Status.INFEASIBLE:
         return Confirmation(True, by, answer.seconds, f"proven by {who}, confirmed by {by}")

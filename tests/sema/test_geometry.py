@@ -193,3 +193,19 @@ def test_a_narrow_piece_reaches_half_way_into_a_wide_one() -> None:
     corridor, room = box((0.0, 1.0), (0.0, 0.2)), box((1.0, 5.0), (-2.0, 2.0))
     grown = overlapping((corridor, room))
     assert max(p.vertices[:, 0].max() for p in grown if p.vertices[:, 1].max() < 0.3) == 3.0
+
+
+@pytest.mark.parametrize(
+    "ring",
+    [
+        [(0.0, 0.0), (8.0, 0.0), (8.0, 2.0), (6.0, 2.0), (6.0, 0.0)],
+        [(0.0, 1e-13), (8.0, 0.0), (8.0, 2.0), (6.0, 2.0), (6.0, 0.0)],
+        [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (4.0, 7.0), (4.0, 4.0001), (0.0, 4.0)],
+    ],
+)
+def test_rings_that_turn_back_on_themselves_are_no_polygons(ring: Ring) -> None:
+    """A spike of no width was left out in silence; the verifier saw it."""
+    for k in range(len(ring)):
+        for turned in (ring[k:] + ring[:k], (ring[k:] + ring[:k])[::-1]):
+            with pytest.raises(PolygonError):
+                decompose(turned)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 from support.command import CONFLICT, MISSION
 from support.command import inside as stlc
 from support.liars import plug
 
+from stlc.backends import scip
 from stlc.plan import read_plan
 
 
@@ -49,3 +51,39 @@ def test_a_true_denial_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     done = stlc("solve", "m.stl", *words, folder=tmp_path)
     assert done.returncode == 3
     assert "proven by Denier 1.0, confirmed by SCIP" in done.stderr
+
+
+class _Breaks:
+    """A SCIP model whose solve ends as PySCIPOpt tells of SCIP's own errors."""
+
+    def __init__(self, model: Any) -> None:
+        self._model = model
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._model, name)
+
+    def optimizeNogil(self) -> None:
+        raise Exception("SCIP: unspecified error!")
+
+
+@pytest.fixture
+def broken_scip(monkeypatch: pytest.MonkeyPatch) -> None:
+    loaded = scip._loaded
+    monkeypatch.setattr(scip, "_loaded", lambda model: _Breaks(loaded(model)))
+
+
+@pytest.mark.usefixtures("broken_scip")
+def test_a_second_solver_that_fails_confirms_nothing(tmp_path: Path) -> None:
+    (tmp_path / "m.stl").write_text(CONFLICT)
+    done = stlc("solve", "m.stl", "--strategy", "milp", "--no-explain", folder=tmp_path)
+    assert done.returncode == 3
+    assert "says so; SCIP failed (unspecified error!)" in done.stderr
+
+
+@pytest.mark.usefixtures("broken_scip")
+def test_a_solver_that_fails_is_named(tmp_path: Path) -> None:
+    (tmp_path / "m.stl").write_text(MISSION)
+    words = ("--backend", "scip", "--strategy", "milp")
+    done = stlc("solve", "m.stl", *words, folder=tmp_path)
+    assert done.returncode == 5
+    assert "SCIP failed (unspecified error!)" in done.stderr
