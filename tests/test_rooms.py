@@ -61,6 +61,9 @@ MAY: Mapping[str, set[str]] = {
     },
     "simulate": {"ir", "radio", "mission", "channels", "plan", "verify"},
     "plot": {"ir", "radio", "mission", "channels", "plan", "verify"},
+    "report": {
+        "grids", "grammar", "ir", "mission", "plan", "verify", "plot", "explain",
+    },
     "api": {"syntax", "sema", "mission", "milp", "plan", "verify", "solve", "simulate", "explain"},
     "sweep": {"api", "mission", "plan", "plot", "solve"},
     "conformance": {"api", "milp", "backends", "solve"},

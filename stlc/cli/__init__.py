@@ -17,6 +17,7 @@ _COMMANDS = {
     "solve": ("solve", "Plan a mission; the plan is certified and verified."),
     "verify": ("plans", "Judge a plan against its mission."),
     "plot": ("plans", "Draw a plan."),
+    "report": ("report", "Show a plan in one HTML page: map in motion, requirements, signals."),
     "read-solution": ("plans", "Turn another solver's answer into a plan."),
     "explain": ("explain", "Name the requirements that conflict."),
     "simulate": ("simulate", "Carry out a plan many times: how probable is each requirement?"),

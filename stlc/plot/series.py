@@ -153,7 +153,7 @@ def _key_of(link: Link) -> str:
 
 def draw_links(axes: Axes, mission: Mission, plan: Plan, panel: LinkPanel) -> None:
     """One curve for each pair, one dashed line for each threshold."""
-    series = _shown(panel)
+    series = asked_pairs(panel)
     named = _most_telling(series, panel)
     for s in series:
         values = s.values[panel.key]
@@ -166,10 +166,8 @@ def draw_links(axes: Axes, mission: Mission, plan: Plan, panel: LinkPanel) -> No
         )  # fmt: skip
         if strong:
             _chance_level(axes, plan, panel, s, colour)
-    title, label = _TITLES[panel.key]
-    several = len(mission.channels) > 1
-    axes.set_title(f"{title} ({panel.channel})" if several else title, pad=18)
-    axes.set_ylabel(label)
+    axes.set_title(link_title(panel, mission), pad=18)
+    axes.set_ylabel(_TITLES[panel.key][1])
     for level in {p.threshold for p in panel.predicates}:
         axes.axhline(level, color="black", linewidth=1.0, linestyle=(0, (5, 2)), zorder=5)
     if panel.key == "ber":
@@ -185,7 +183,13 @@ def draw_links(axes: Axes, mission: Mission, plan: Plan, panel: LinkPanel) -> No
                 handletextpad=0.4)  # fmt: skip
 
 
-def _shown(panel: LinkPanel) -> list[LinkSeries]:
+def link_title(panel: LinkPanel, mission: Mission) -> str:
+    """What a panel shows, and of which channel where there are several."""
+    title = _TITLES[panel.key][0]
+    return f"{title} ({panel.channel})" if len(mission.channels) > 1 else title
+
+
+def asked_pairs(panel: LinkPanel) -> list[LinkSeries]:
     """The pairs that this panel's predicates name; all of them when there is none."""
     asked = {frozenset((p.sender, p.receiver)) for p in panel.predicates}
     known = [s for s in panel.series if panel.key in s.values]

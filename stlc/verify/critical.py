@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,28 +37,46 @@ class Decider:
     says: str
 
 
-def critical(evaluator: Evaluator, root: Node) -> Decider | None:
-    """The predicate that decides the robustness of a judged formula at step 0.
+Visit = tuple[Node, int, bool]
+"""A part of a formula, the step at which it is asked, and its polarity there."""
 
-    Follows the arguments at which each minimum or maximum is taken; None for a constant.
+
+def descent(evaluator: Evaluator, root: Node) -> Iterator[tuple[Visit, list[Visit]]]:
+    """From a judged formula at step 0 to the predicate that decides it: each part, with what its
+    value was chosen from (nothing for the last).
+
+    Follows the arguments at which each minimum or maximum is taken.
     """
-    node, step, positive, says = root, 0, True, ""
+    visit: Visit = root, 0, True
     while True:
-        says = _claimed(node) or says
-        if isinstance(node, Linear | Link):
-            shift = node.shift if isinstance(node, Link) else 0
-            text = "" if node.span is None else " ".join(node.span.text.split())
-            return Decider(step + shift, unit(node), node.span, says or text)
-        options = _options(evaluator, node, step, positive)
+        node, step, positive = visit
+        found = isinstance(node, Linear | Link)
+        options = [] if found else _options(evaluator, node, step, positive)
+        yield visit, options
         if not options:
-            return None
+            return
         target = evaluator.judged(node, positive)[step]
         # The sign of a value turns exactly where the polarity does.
         values = [
             evaluator.judged(n, sign)[t] * (1.0 if sign is positive else -1.0)
             for n, t, sign in options
         ]
-        node, step, positive = options[_nearest(values, float(target))]
+        visit = options[_nearest(values, float(target))]
+
+
+def critical(evaluator: Evaluator, root: Node) -> Decider | None:
+    """The predicate that decides the robustness of a judged formula at step 0.
+
+    None for a constant.
+    """
+    says = ""
+    for (node, step, _), _ in descent(evaluator, root):
+        says = _claimed(node) or says
+        if isinstance(node, Linear | Link):
+            shift = node.shift if isinstance(node, Link) else 0
+            text = "" if node.span is None else " ".join(node.span.text.split())
+            return Decider(step + shift, unit(node), node.span, says or text)
+    return None
 
 
 def _claimed(node: Node) -> str:

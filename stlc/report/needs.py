@@ -1,0 +1,98 @@
+"""Requirements as the page shows them: verdict, deciding step, cost, a curve, whom they name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stlc.explain.tight import Explained, Standing
+from stlc.ir.nodes import Linear, Link, walk
+from stlc.ir.requirement import Requirement
+from stlc.mission import Mission
+from stlc.plan import Plan
+from stlc.report.numbers import short
+from stlc.verify.report import tidy
+from stlc.verify.timeline import Timeline, timelines
+
+
+def needs(mission: Mission, plan: Plan, found: Explained) -> list[dict[str, Any]]:
+    """One for each requirement, in the order of the file; plain JSON values."""
+    standings = {s.name: s for s in found.standings}
+    curves = timelines(mission, plan)
+    return [
+        _need(r, standings[r.name], curve)
+        for r, curve in zip(mission.requirements, curves, strict=True)
+    ]
+
+
+def _need(requirement: Requirement, standing: Standing, curve: Timeline | None) -> dict[str, Any]:
+    """A card; texts are for a person."""
+    span = requirement.span
+    return {
+        "name": requirement.name,
+        "ok": standing.report.satisfied,
+        "tight": standing.tight,
+        "says": " ".join(span.text.split()) if span is not None else "",
+        "slack": _slack(standing),
+        "value": _value(standing),
+        "unit": standing.unit,
+        "step": standing.step,
+        "decides": standing.decides,
+        "price": _price(standing),
+        "source": None if span is None else span.source.name,
+        "lines": None if span is None else [span.line, span.source.position(span.end)[0]],
+        "names": sorted(_names(requirement)),
+        "curve": None if curve is None else _curve(curve, requirement.margin),
+    }
+
+
+def _slack(s: Standing) -> str:
+    if s.slack is None:
+        return "can't be judged"
+    return f"{_words(s.slack)} {s.unit}".rstrip()
+
+
+def _words(value: float) -> str:
+    """Four digits; what is within the tolerance of requirements is 0."""
+    return "0" if abs(value) <= 1e-6 else tidy(value, 4)
+
+
+def _value(s: Standing) -> str:
+    """Robustness in full, where it is more than the slack."""
+    parts = []
+    if s.margin and s.robustness is not None:
+        parts.append(f"robustness {_words(s.robustness)}, margin {s.margin:g}")
+    if s.report.swept is not None:
+        parts.append(f"{_words(s.report.swept)} in continuous time")
+    if s.report.true is not None:
+        parts.append(f"{_words(s.report.true)} at true positions")
+    return "; ".join(parts)
+
+
+def _price(s: Standing) -> str:
+    if s.price is None:
+        return ""
+    per = f" per {s.unit}" if s.unit else ""
+    return f"{_words(s.price)}{per}"
+
+
+def _curve(curve: Timeline, margin: float) -> dict[str, Any]:
+    """The curve less the margin, its deciding step and its window."""
+    values = np.where(np.abs(curve.values - margin) <= 1e-9, 0.0, curve.values - margin)
+    return {"values": short(values), "step": curve.step, "window": list(curve.window)}
+
+
+def _names(requirement: Requirement) -> set[str]:
+    """Agents, stations and places that a requirement is about."""
+    names: set[str] = set()
+    for node in walk(requirement.formula):
+        if isinstance(node, Linear):
+            names |= {signal.owner for signal, _ in node.terms}
+        elif isinstance(node, Link):
+            names |= {node.sender, node.receiver}
+        if node.member is not None:
+            names.add(node.member.place)
+        if node.swept is not None:
+            names |= {n for n in (node.swept.agent, node.swept.other, node.swept.place) if n}
+    return names
