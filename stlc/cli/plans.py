@@ -43,7 +43,7 @@ def verify_command(
     "--output",
     required=True,
     type=click.Path(path_type=Path),
-    help="The picture: .png, .svg or .pdf.",
+    help="The picture: .png, .svg or .pdf; .gif for one that moves.",
 )
 def plot_command(
     file: Path, plan: Path, define: tuple[str, ...], allow_path: tuple[Path, ...], output: Path

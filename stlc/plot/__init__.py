@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stlc.mission import Mission
     from stlc.plan import Plan
 
-FORMATS = ("png", "svg", "pdf")
+FORMATS = ("png", "svg", "pdf", "gif")
 
 __all__ = ["FORMATS", "plan_figure", "plot_plan"]
 
@@ -28,7 +28,7 @@ def plan_figure(mission: Mission, plan: Plan) -> Figure:
 
 
 def plot_plan(mission: Mission, plan: Plan, path: str | os.PathLike[str], dpi: int = 130) -> None:
-    """Draw a plan into a PNG, SVG or PDF file, by the file's ending.
+    """Draw a plan into a PNG, SVG or PDF file, or play its map in a GIF, by the file's ending.
 
     Raises UsageError for another ending or a plan that doesn't fit the mission, OutputError when
     the file can't be written.
@@ -37,6 +37,12 @@ def plot_plan(mission: Mission, plan: Plan, path: str | os.PathLike[str], dpi: i
     if kind not in FORMATS:
         known = ", ".join(f".{name}" for name in FORMATS)
         raise UsageError(f"cannot draw {os.fspath(path)}: the name must end in one of {known}")
+    if kind == "gif":
+        from stlc.plot.animation import write_animation
+
+        with atomic_output(path) as stream:
+            write_animation(mission, plan, stream)
+        return
     figure = plan_figure(mission, plan)
     import matplotlib
 

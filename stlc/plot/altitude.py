@@ -9,6 +9,7 @@ import numpy as np
 
 from stlc.mission import Agent, Mission
 from stlc.plan import Plan
+from stlc.plot.clock import Clock
 from stlc.plot.style import BODY, REGION, SMALL, Look
 from stlc.verify.paths import paths
 
@@ -23,17 +24,19 @@ def flying(mission: Mission) -> list[Agent]:
     return [a for a in mission.agents.values() if a.dynamics.altitude is not None]
 
 
-def draw_altitudes(axes: Axes, mission: Mission, plan: Plan, look: Mapping[str, Look]) -> None:
-    """The true height of each agent that flies over time [s], above bands of the places."""
+def draw_altitudes(
+    axes: Axes, mission: Mission, plan: Plan, clock: Clock, look: Mapping[str, Look]
+) -> None:
+    """The true height of each agent that flies over time, above bands of the places."""
     motion = paths(mission, dict(plan.runs))
     _bands(axes, mission)
     steps = np.linspace(0.0, mission.horizon, mission.horizon * FINE + 1)
     for agent in flying(mission):
         path = motion[agent.name]
         colour = look[agent.name].colour
-        axes.plot(steps * mission.step, path.at(steps)[:, 2], color=colour, linewidth=1.5)
+        axes.plot(clock.at(steps), path.at(steps)[:, 2], color=colour, linewidth=1.5)
         samples = path.c0[:: path.pieces, 2]
-        axes.plot(plan.times[: len(samples)], samples, ".", color=colour, markersize=5)
+        axes.plot(clock.times[: len(samples)], samples, ".", color=colour, markersize=5)
     axes.set_ylabel("height [m]")
     axes.set_title("Height")
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,17 +12,13 @@ from stlc.mission import Mission
 from stlc.plan import Plan
 from stlc.plot.altitude import draw_altitudes, flying
 from stlc.plot.channel_map import draw_channel, mapped_channel
+from stlc.plot.clock import Clock, clock
 from stlc.plot.labels import Labels
+from stlc.plot.links import draw_links, link_panels
 from stlc.plot.robustness import draw_robustness
-from stlc.plot.series import (
-    draw_inputs,
-    draw_links,
-    draw_velocities,
-    link_panels,
-    velocity_agents,
-)
+from stlc.plot.signals import draw_signals, signal_panels
 from stlc.plot.style import RC, Look, looks
-from stlc.plot.trajectory import draw_map
+from stlc.plot.trajectory import aspect_of, draw_map
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,15 +28,16 @@ Draw = Callable[["Axes"], Labels | None]
 
 WIDTH = 15.0
 PANEL = 2.5  # inches, the least height of one panel over time
+WIDE = 2.0  # a world so many times as wide as high has the map above everything else
 
 
 @dataclass(frozen=True, slots=True)
 class _Panels:
-    """What is drawn: the map, panels below it, panels over time at the right."""
+    """What is drawn: the map, panels that go with it, panels over time."""
 
     map: Draw | None
     below: tuple[Draw, ...]
-    right: tuple[Draw, ...]
+    times: tuple[Draw, ...]
 
 
 def build(mission: Mission, plan: Plan) -> Figure:
@@ -48,30 +46,37 @@ def build(mission: Mission, plan: Plan) -> Figure:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    from stlc.verify.subject import check_shape
-
-    check_shape(mission, plan)
-    if not plan.requirements and not plan.links:
-        from stlc.verify import verify
-
-        plan = verify(mission, plan).annotate(plan)
+    plan = judged(mission, plan)
     look = looks(mission.agents)
-    panels = _panels(mission, plan, look)
+    now = clock(plan)
+    panels = _panels(mission, plan, look, now)
+    aspect = aspect_of(mission, plan) if panels.map else 0.0
+    lay_out = _wide if aspect > WIDE else _beside
     with matplotlib.rc_context(RC):
-        height = max(9.0, PANEL * len(panels.right) + 1.0)
-        figure = Figure(figsize=(WIDTH, height), layout="constrained")
+        figure = Figure(figsize=(WIDTH, 9.0), layout="constrained")
         FigureCanvasAgg(figure)
         _head(figure, plan, look)
-        draws = _lay_out(figure, panels)
-        labels = [draw(axes) for axes, draw in draws]
+        labels = [draw(axes) for axes, draw in lay_out(figure, panels, aspect, now)]
         figure.draw_without_rendering()
         for some in filter(None, labels):
             some.place()
     return figure
 
 
-def _panels(mission: Mission, plan: Plan, look: dict[str, Look]) -> _Panels:
-    """What there is to show: map only for placed agents, links and inputs in the right column."""
+def judged(mission: Mission, plan: Plan) -> Plan:
+    """The plan with robustness and links. Raises UsageError when it doesn't fit the mission."""
+    from stlc.verify.subject import check_shape
+
+    check_shape(mission, plan)
+    if plan.requirements or plan.links:
+        return plan
+    from stlc.verify import verify
+
+    return verify(mission, plan).annotate(plan)
+
+
+def _panels(mission: Mission, plan: Plan, look: dict[str, Look], now: Clock) -> _Panels:
+    """What there is to show: the map only for placed agents, nothing without a curve."""
     placed = any(a.dynamics.position is not None for a in mission.agents.values())
     channel = mapped_channel(mission, plan.links)
     below: list[Draw] = []
@@ -79,39 +84,76 @@ def _panels(mission: Mission, plan: Plan, look: dict[str, Look]) -> _Panels:
         below.append(lambda axes: draw_channel(axes, mission, plan, channel, plan.links))
     if plan.requirements:
         below.append(lambda axes: draw_robustness(axes, mission, plan.requirements))
-    right: list[Draw] = []
+    times: list[Draw] = []
     if flying(mission):
-        right.append(lambda axes: draw_altitudes(axes, mission, plan, look))
-    if velocity_agents(mission):
-        right.append(lambda axes: draw_velocities(axes, mission, plan, look))
-    right.append(lambda axes: draw_inputs(axes, mission, plan, look))
-    for panel in link_panels(mission, plan.links):
-        right.append(lambda axes, panel=panel: draw_links(axes, mission, plan, panel))  # type: ignore[misc]
+        times.append(lambda axes: draw_altitudes(axes, mission, plan, now, look))
+    times += [partial(draw_signals, panel=p, clock=now, look=look)
+              for p in signal_panels(mission, plan)]  # fmt: skip
+    times += [partial(draw_links, mission=mission, clock=now, panel=p)
+              for p in link_panels(mission, plan.links)]  # fmt: skip
     return _Panels(
         (lambda axes: draw_map(axes, mission, plan, look)) if placed else None,
         tuple(below),
-        tuple(right),
+        tuple(times),
     )
 
 
-def _lay_out(figure: Figure, panels: _Panels) -> list[tuple[Axes, Draw]]:
-    """Axes for each panel: map above channel and robustness on the left, time series on the right.
+def _beside(figure: Figure, panels: _Panels, aspect: float, now: Clock) -> list[tuple[Axes, Draw]]:
+    """Map above channel and robustness on the left, panels over time on the right.
 
     Subfigures rather than a grid: each side is then spaced by its own labels.
     """
-    halves: Any = figure.subfigures(1, 2, squeeze=False, width_ratios=[1.25, 1.0], wspace=0.02)
-    left, right = halves[0]
-    column = right.subplots(len(panels.right), 1, squeeze=False)[:, 0]
-    column[-1].set_xlabel("time [s]")
-    draws = list(zip(column, panels.right, strict=True))
+    figure.set_figheight(max(9.0, PANEL * len(panels.times) + 1.0))
     rows = [part for part in ((panels.map,) if panels.map else (), panels.below) if part]
     if not rows:
-        return draws
-    heights = [2.1 if part == (panels.map,) else 1.0 for part in rows]
-    areas = left.subfigures(len(rows), 1, squeeze=False, height_ratios=heights)[:, 0]
-    for area, part in zip(areas, rows, strict=True):
-        draws += list(zip(area.subplots(1, len(part), squeeze=False)[0], part, strict=True))
-    return draws
+        return _column(figure, panels.times, now)
+    if not panels.times:
+        return _rows(figure, rows)
+    halves: Any = figure.subfigures(1, 2, squeeze=False, width_ratios=[1.25, 1.0], wspace=0.02)
+    left, right = halves[0]
+    return [*_column(right, panels.times, now), *_rows(left, rows)]
+
+
+def _rows(area: Any, rows: Sequence[tuple[Draw, ...]]) -> list[tuple[Axes, Draw]]:
+    """The map, and below it what goes with it."""
+    heights = [2.1 if len(rows) > 1 and k == 0 else 1.0 for k in range(len(rows))]
+    areas = area.subfigures(len(rows), 1, squeeze=False, height_ratios=heights)[:, 0]
+    found = []
+    for one, part in zip(areas, rows, strict=True):
+        found += list(zip(one.subplots(1, len(part), squeeze=False)[0], part, strict=True))
+    return found
+
+
+def _wide(figure: Figure, panels: _Panels, aspect: float, now: Clock) -> list[tuple[Axes, Draw]]:
+    """The map over the whole width, below it panels over time in two columns, then the rest."""
+    assert panels.map is not None
+    columns = [c for c in (panels.times[::2], panels.times[1::2]) if c]
+    tall = WIDTH / aspect + 1.0
+    lower = PANEL * len(panels.times[::2]) + 0.4
+    last = 3.2 if panels.below else 0.0
+    figure.set_figheight(tall + lower + last + 0.8)
+    parts = [(h, p) for h, p in ((tall, "map"), (lower, "times"), (last, "below")) if h > 0.4]
+    areas: Any = figure.subfigures(
+        len(parts), 1, squeeze=False, height_ratios=[h for h, _ in parts]
+    )[:, 0]
+    found = [(areas[0].subplots(), panels.map)]
+    if columns:
+        halves = areas[1].subfigures(1, len(columns), squeeze=False, wspace=0.02)[0]
+        for half, part in zip(halves, columns, strict=True):
+            found += _column(half, part, now)
+    if panels.below:
+        axes = areas[-1].subplots(1, len(panels.below), squeeze=False)[0]
+        found += list(zip(axes, panels.below, strict=True))
+    return found
+
+
+def _column(area: Any, draws: Sequence[Draw], now: Clock) -> list[tuple[Axes, Draw]]:
+    """Panels over time, one below the other, that share their clock."""
+    if not draws:
+        return []
+    axes = area.subplots(len(draws), 1, squeeze=False)[:, 0]
+    axes[-1].set_xlabel(now.label)
+    return list(zip(axes, draws, strict=True))
 
 
 def _head(figure: Figure, plan: Plan, look: dict[str, Look]) -> None:

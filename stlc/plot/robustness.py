@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from stlc.ir.nodes import Linear, Link, walk
@@ -19,8 +20,12 @@ if TYPE_CHECKING:
 MOST = 16
 
 
-def draw_robustness(axes: Axes, mission: Mission, requirements: Sequence[RequirementValue]) -> None:
-    """A bar for each requirement, scaled within each unit; of many, those nearest to failing."""
+def draw_robustness(axes: Axes, mission: Mission, given: Sequence[RequirementValue]) -> None:
+    """A bar for each requirement, scaled within each unit; of many, those nearest to failing.
+
+    What the tolerance doesn't tell from 0 is 0.
+    """
+    requirements = [_rounded(r) for r in given]
     units = {r.name: _unit(mission, r.name) for r in requirements}
     tops = _tops(requirements, units)
     shown = sorted(requirements, key=lambda r: _share(r, tops[units[r.name]]))[:MOST]
@@ -39,6 +44,12 @@ def draw_robustness(axes: Axes, mission: Mission, requirements: Sequence[Require
     if len(shown) < len(requirements):
         remarks.append(f"{len(requirements) - len(shown)} larger ones left out")
     _frame(axes, [r.name for r in shown], "; ".join(remarks))
+
+
+def _rounded(r: RequirementValue) -> RequirementValue:
+    if r.robustness is None or abs(r.robustness) > TOLERANCE:
+        return r
+    return replace(r, robustness=0.0)
 
 
 def _frame(axes: Axes, names: Sequence[str], remark: str) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,8 +28,7 @@ MOST_FRAMES = 6
 def draw_map(axes: Axes, mission: Mission, plan: Plan, look: Mapping[str, Look]) -> Labels:
     """Everything that has a place; returns the labels, to be placed when the layout is final."""
     motion = paths(mission, dict(plan.runs))
-    labels = Labels(axes)
-    _surroundings(axes, mission, labels)
+    labels = draw_surroundings(axes, mission)
     for name in mission.agents:
         if name in motion:
             curve = _agent(axes, motion[name].plane, mission.horizon, look[name])
@@ -41,20 +40,21 @@ def draw_map(axes: Axes, mission: Mission, plan: Plan, look: Mapping[str, Look])
             )  # fmt: skip
     axes.set(xlabel="x [m]", ylabel="y [m]", title="Trajectories")
     axes.set_aspect("equal", adjustable="datalim" if mission.workspace is None else "box")
-    _limits(axes, mission, labels.avoid)
+    limit(axes, mission, labels.avoid)
     _key(axes)
     return labels
 
 
-def _surroundings(axes: Axes, mission: Mission, labels: Labels) -> None:
-    """Workspace, regions, obstacles and stations, with their labels, below the trajectories."""
+def draw_surroundings(axes: Axes, mission: Mission, without: Collection[str] = ()) -> Labels:
+    """Workspace, regions, obstacles and stations below the trajectories; returns their labels."""
+    labels = Labels(axes)
     if mission.workspace is not None:
         _fill(axes, [mission.workspace], facecolor="none", edgecolor="black", linewidth=1.2)
     for region in mission.regions.values():
         style = {"facecolor": REGION + "2E", "edgecolor": REGION, "linewidth": 1.0}
         _fill(axes, region.pieces, **style, zorder=1)
         _label(labels, region.name, region.pieces, color="#00664A", fontsize=SMALL)
-    for obstacle in mission.obstacles.values():
+    for obstacle in (o for o in mission.obstacles.values() if o.name not in without):
         _obstacle(axes, obstacle, mission.horizon)
         _label(labels, obstacle.name, obstacle.frames[0], color=BODY, fontsize=SMALL)
     for station in mission.stations.values():
@@ -63,6 +63,7 @@ def _surroundings(axes: Axes, mission: Mission, labels: Labels) -> None:
                   markeredgewidth=1.6, linestyle="", zorder=8)  # fmt: skip
         labels.marks.append(station.position)
         labels.add(station.name, station.position, station.position, 8.0, fontsize=SMALL)
+    return labels
 
 
 def _obstacle(axes: Axes, obstacle: Obstacle, horizon: int) -> None:
@@ -83,7 +84,9 @@ def _agent(axes: Axes, path: Path, horizon: int, look: Look) -> Array:
     arc = path.at(np.linspace(0.0, horizon, horizon * FINE + 1))
     axes.plot(*arc.T, color=look.colour, linewidth=1.6, zorder=5)
     dots: dict[str, Any] = {"color": look.colour, "linestyle": "", "zorder": 6}
-    axes.plot(*path.c0.T, marker=".", markersize=5 if horizon <= 60 else 2.5, **dots)
+    axes.plot(
+        *path.c0[:: path.pieces].T, marker=".", markersize=5 if horizon <= 60 else 2.5, **dots
+    )
     start: dict[str, Any] = {"markerfacecolor": "white", "markeredgewidth": 1.6, "markersize": 8}
     axes.plot(*path.c0[0], marker=look.marker, **dots, **start)
     axes.plot(*path.c0[-1], marker=look.marker, markersize=8, markeredgecolor="white",
@@ -115,7 +118,24 @@ def _label(labels: Labels, name: str, pieces: Sequence[Polytope], **style: Any) 
     labels.add(name, corners.min(axis=0), corners.max(axis=0), **style)
 
 
-def _limits(axes: Axes, mission: Mission, curves: Sequence[Array]) -> None:
+def aspect_of(mission: Mission, plan: Plan) -> float:
+    """Width by height of what the map shows."""
+    places = [run_path(mission, plan, name) for name in mission.agents]
+    points = [p for p in places if p is not None]
+    if mission.workspace is not None:
+        points.append(mission.workspace.vertices)
+    span = np.ptp(np.vstack(points), axis=0)
+    return float(span[0] / max(span[1], 1e-9 * span[0], 1e-300))
+
+
+def run_path(mission: Mission, plan: Plan, name: str) -> Array | None:
+    """Places (T+1, 2) of an agent at the steps; None for one that is nowhere."""
+    rows = mission.agents[name].dynamics.position
+    return None if rows is None else np.asarray(plan.runs[name].states @ rows.T)
+
+
+def limit(axes: Axes, mission: Mission, curves: Sequence[Array]) -> None:
+    """Axes that hold the workspace and all motion (K, 2) [m]."""
     if mission.workspace is None:
         axes.margins(0.08)
         return

@@ -9,7 +9,7 @@ import numpy as np
 
 from stlc.mission import Mission
 from stlc.plan import LinkSeries, Plan
-from stlc.plot.series import LinkPanel, asked_pairs, link_panels, link_title
+from stlc.plot.links import LinkPanel, asked_pairs, link_panels, link_title
 from stlc.plot.style import COLOURS, looks
 from stlc.report.links import UNITS
 from stlc.report.numbers import short

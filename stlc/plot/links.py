@@ -1,28 +1,27 @@
-"""Curves over time: velocities, inputs, link quality with the thresholds asked for."""
+"""Link quality over time, with the thresholds asked for."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stlc.ir.nodes import Link, Quantity, Relation, walk
-from stlc.mission import Agent, Mission
-from stlc.plan import LinkSeries, Plan
-from stlc.plot.style import COLOURS, QUIET, SMALL, Look
+from stlc.mission import Mission
+from stlc.plan import LinkSeries
+from stlc.plot.clock import Clock
+from stlc.plot.style import COLOURS, QUIET, SMALL
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
 
-MOST_COMPONENTS = 3  # agents up to which both components are drawn
 MOST_PAIRS = 8  # entries that a legend of pairs has room for
 
-_STYLES: tuple[Any, ...] = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (6, 1.5, 1, 1.5)))
 _KEYS = {
     Quantity.RSSI: "rssi", Quantity.SNR: "snr", Quantity.BER: "ber",
     Quantity.BER_AT_MEAN: "ber", Quantity.PRR: "prr", Quantity.COST: "cost",
@@ -35,78 +34,6 @@ _TITLES = {
     "cost": ("Link cost", "cost"),
     "distance": ("Distance", "distance [m]"),
 }
-
-
-def draw_velocities(axes: Axes, mission: Mission, plan: Plan, look: Mapping[str, Look]) -> None:
-    """Velocity components, or speeds when there are many agents."""
-    curves = {}
-    for name, agent in mission.agents.items():
-        if agent.dynamics.velocity is not None:
-            curves[name] = plan.runs[name].states[:, list(agent.dynamics.velocity)]
-    _components(axes, curves, plan.times, look, ("v", "m/s"), hold=False)
-    axes.set_title("Velocity")
-
-
-def draw_inputs(axes: Axes, mission: Mission, plan: Plan, look: Mapping[str, Look]) -> None:
-    """Inputs, each held from its step to the next; norms when there are many agents."""
-    curves = {name: plan.runs[name].inputs for name in mission.agents}
-    units = {u for a in mission.agents.values() for u in a.dynamics.input_units}
-    unit = units.pop() if len(units) == 1 else ""
-    _components(axes, curves, plan.times, look, ("u", unit), hold=True)
-    axes.set_title("Input")
-
-
-def _components(
-    axes: Axes,
-    curves: Mapping[str, Array],
-    times: Array,
-    look: Mapping[str, Look],
-    name: tuple[str, str],
-    *,
-    hold: bool,
-) -> None:
-    """One curve a component, or the norm where there are too many; `hold` draws steps.
-
-    `curves` holds one (steps, components) array for each agent; `name` is symbol and unit.
-    """
-    symbol, unit = name
-    norms = len(curves) > MOST_COMPONENTS
-    for agent, values in curves.items():
-        shown = np.linalg.norm(values, axis=1)[:, None] if norms else values
-        for k, column in enumerate(shown.T):
-            style: dict[str, Any] = {
-                "color": look[agent].colour,
-                "linestyle": _STYLES[k % len(_STYLES)],
-            }
-            if hold and len(column):
-                axes.stairs(column, times[: len(column) + 1], baseline=None, linewidth=1.5,
-                            edgecolor=style["color"], linestyle=style["linestyle"])  # fmt: skip
-            elif len(column):
-                axes.plot(times[: len(column)], column, linewidth=1.5, **style)
-    label = f"|{symbol}|" if norms else symbol
-    pretty = unit.replace("^2", "\N{SUPERSCRIPT TWO}")
-    axes.set_ylabel(f"{label} [{pretty}]" if unit else label)
-    if not norms and any(v.shape[1] > 1 for v in curves.values()):
-        _component_key(axes, max(v.shape[1] for v in curves.values()), symbol)
-
-
-def _component_key(axes: Axes, count: int, symbol: str) -> None:
-    """A key of line styles, which stand for components; colours stand for agents."""
-    from matplotlib.lines import Line2D
-
-    names = "xyzw"
-    items = [
-        Line2D([], [], color="#404040", linestyle=_STYLES[k % len(_STYLES)],
-               label=f"{symbol}{names[k] if count <= 4 else k + 1}")
-        for k in range(count)
-    ]  # fmt: skip
-    axes.legend(handles=items, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=count,
-                borderaxespad=0.2, handlelength=2.4, columnspacing=1.2)  # fmt: skip
-
-
-def velocity_agents(mission: Mission) -> list[Agent]:
-    """Agents whose velocity is known."""
-    return [a for a in mission.agents.values() if a.dynamics.velocity is not None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +56,7 @@ def link_panels(mission: Mission, links: Sequence[LinkSeries]) -> list[LinkPanel
     for channel in dict.fromkeys(series.channel for series in links):
         mine = tuple(s for s in links if s.channel == channel)
         asked = [p for p in predicates if p.channel == channel]
-        known = {key for s in mine for key in s.values}
+        known = {k for s in mine for k, values in s.values.items() if np.isfinite(values).any()}
         keys = dict.fromkeys(k for k in map(_key_of, asked) if k in known)
         for fallback in () if keys else ("rssi", "cost", "distance"):
             if fallback in known:
@@ -151,7 +78,7 @@ def _key_of(link: Link) -> str:
     return _KEYS[link.quantity]
 
 
-def draw_links(axes: Axes, mission: Mission, plan: Plan, panel: LinkPanel) -> None:
+def draw_links(axes: Axes, mission: Mission, clock: Clock, panel: LinkPanel) -> None:
     """One curve for each pair, one dashed line for each threshold."""
     series = asked_pairs(panel)
     named = _most_telling(series, panel)
@@ -160,12 +87,12 @@ def draw_links(axes: Axes, mission: Mission, plan: Plan, panel: LinkPanel) -> No
         colour = COLOURS[named.index(s) % len(COLOURS)] if s in named else QUIET
         strong = s in named
         axes.plot(
-            plan.times, values, color=colour, linewidth=1.6 if strong else 0.7,
+            clock.times, values, color=colour, linewidth=1.6 if strong else 0.7,
             marker="." if strong else "", markersize=4, zorder=4 if strong else 3,
             label=f"{s.sender} \N{EN DASH} {s.receiver}" if strong else None,
         )  # fmt: skip
         if strong:
-            _chance_level(axes, plan, panel, s, colour)
+            _chance_level(axes, clock, panel, s, colour)
     axes.set_title(link_title(panel, mission), pad=18)
     axes.set_ylabel(_TITLES[panel.key][1])
     for level in {p.threshold for p in panel.predicates}:
@@ -206,7 +133,7 @@ def _most_telling(series: Sequence[LinkSeries], panel: LinkPanel) -> list[LinkSe
 
 
 def _chance_level(
-    axes: Axes, plan: Plan, panel: LinkPanel, series: LinkSeries, colour: str
+    axes: Axes, clock: Clock, panel: LinkPanel, series: LinkSeries, colour: str
 ) -> None:
     """The level that one packet exceeds with the probability asked for."""
     from stlc.radio.link_budget import z_quantile
@@ -217,7 +144,7 @@ def _chance_level(
             continue
         sign = 1.0 if p.relation is Relation.AT_LEAST else -1.0
         level = series.values["rssi"] - sign * z_quantile(p.probability) * series.values["sigma"]
-        axes.plot(plan.times, level, color=colour, linewidth=1.0, linestyle=(0, (1, 1)), zorder=4,
+        axes.plot(clock.times, level, color=colour, linewidth=1.0, linestyle=(0, (1, 1)), zorder=4,
                   label=f"{100 * p.probability:g} % level")  # fmt: skip
 
 
