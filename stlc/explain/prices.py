@@ -23,10 +23,10 @@ from stlc.milp.compile import CompileOptions, compile_mission
 from stlc.milp.model import Model
 from stlc.mission import Mission
 from stlc.plan import Plan
+from stlc.solve.certify import EXACT
 from stlc.solve.mip_start import complete_start
 
 _EPSILON = 1e-4  # of a margin: short beside what plans turn on, and doubles keep ten digits of it
-_EXACT = {"primal_feasibility_tolerance": 1e-9, "dual_feasibility_tolerance": 1e-9}
 _PRUNING = frozenset({"decide", "stages", "decide-again"})
 """Passes that leave out what a margin rules out: with them a model's shape depends on margins."""
 
@@ -78,7 +78,7 @@ def _optimum(model: Model, x: Floats) -> float | None:
     lower[fixed] = upper[fixed] = np.round(x[fixed])
     whole = np.zeros_like(model.integrality)
     lp = replace(model, col_lower=lower, col_upper=upper, integrality=whole)
-    found = get("highs").solve(lp, SolveOptions(extra=dict(_EXACT)))
+    found = get("highs").solve(lp, SolveOptions(extra=dict(EXACT)))
     return found.objective if found.status is Status.OPTIMAL else None
 
 

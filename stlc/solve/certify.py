@@ -20,6 +20,11 @@ from stlc.milp.violations import Violations, exact_objective, violations
 from stlc.sense import Sense
 
 TOLERANCE = 1e-6  # absolute, for rows and bounds: what solvers promise by default
+EXACT: dict[str, object] = {
+    "primal_feasibility_tolerance": 1e-9,
+    "dual_feasibility_tolerance": 1e-9,
+}
+"""Options of HiGHS for a linear programme, near the least that it takes."""
 _FRACTION = 1e-4  # beyond every solver's own integrality tolerance (1e-6 to 1e-5)
 _GROSS = 1e-4  # relative row violation that no tolerance or rounded digits explain
 
@@ -169,13 +174,37 @@ def _rounded(model: Model, x: Floats) -> Floats:
 
 def _polished(model: Model, solution: Solution, x: Floats) -> Floats:
     """The best continuous part for the integers of x, by HiGHS."""
-    again = get("highs").solve(continuous_part(model, x), SolveOptions())
-    if again.x is None:
+    again = _solved_again(model, x, SolveOptions())
+    if again is None:
         found = violations(model, x)
         raise refusal(
             solution, f"with its integers rounded no point is feasible; {found.describe()}"
         )
+    return again
+
+
+def _solved_again(model: Model, x: Floats, options: SolveOptions) -> Floats | None:
+    again = get("highs").solve(continuous_part(model, x), options)
+    if again.x is None:
+        return None
     return _rounded(model, np.where(model.integrality == 1, x, again.x))
+
+
+def sharpened(model: Model, given: Certified, options: SolveOptions | None = None) -> Certified:
+    """`given` with its continuous part solved again to 1e-9; itself where that gives no point.
+
+    Solvers use up their tolerance, and weights of a hull carry it on to coordinates, many times as
+    large: within tolerances of the Model, beyond those of the mission.
+    """
+    x = None if given.x is None else _solved_again(model, given.x, SolveOptions(extra=EXACT))
+    if x is None or not (after := violations(model, x)).within(given.tolerance):
+        return given
+    objective = exact_objective(model, x)
+    status, warnings = _standing(given.claim, objective, options or SolveOptions())
+    return replace(
+        given, status=status, x=x, objective=objective, after=after, polished=True,
+        warnings=warnings,
+    )  # fmt: skip
 
 
 def continuous_part(model: Model, x: Floats) -> Model:

@@ -16,6 +16,7 @@ from stlc.mission import Mission
 
 if TYPE_CHECKING:
     from stlc.plan import Plan
+    from stlc.solve.certify import Certified
     from stlc.verify import Report
 
 
@@ -30,17 +31,27 @@ class Judge:
     def judge(self, claim: Solution, asked: SolveOptions | None = None) -> tuple[Plan, Report]:
         """The plan of a claim, and the verifier's verdict on it.
 
-        `asked` are the options that the claim is held against. SolverError when certification
-        refuses the point.
+        A point that the verifier refuses is looked at once more with a continuous part that keeps
+        the Model more exactly. `asked` are the options that the claim is held against. SolverError
+        when certification refuses the point.
         """
-        from stlc.plan import SolveInfo, make_plan
-        from stlc.solve.certify import certify
-        from stlc.verify import verify
+        from stlc.solve.certify import certify, sharpened
 
         certified = certify(self.compiled.model, claim, options=asked)
+        plan, report = self._verified(certified)
+        if report.ok:
+            return plan, report
+        return self._verified(sharpened(self.compiled.model, certified, asked))
+
+    def _verified(self, certified: Certified) -> tuple[Plan, Report]:
+        """The plan of a certified point, and the verifier's verdict on it."""
+        from stlc.plan import SolveInfo, make_plan
+        from stlc.verify import verify
+
+        claim, sense = certified.claim, self.mission.sense
         if certified.x is None:
             raise SolverError(f"{claim.solver} gave no point")
-        run, sense = self.compiled.decode(certified.x), self.mission.sense
+        run = self.compiled.decode(certified.x)
         info = SolveInfo(
             certified.status.value, sense.own(certified.objective), sense.own(certified.bound),
             certified.gap, claim.solver, claim.solver_version, self.encoding, sense=sense,
