@@ -1,6 +1,7 @@
 """The strategies in their order, and how a solve runs through them.
 
     brief           small team models: a plain solve for a moment
+    grids           small teams that their inputs move directly: as routes
     turns           teams without a plan: one agent after the other, earlier ones held
     groups          agents that have nothing to do with each other: solved apart
     routes          no plan yet: runs over states and progress, better plans near them
@@ -30,7 +31,7 @@ from stlc.solve.alone.parts import PARTS
 from stlc.solve.alone.strategy import LONE
 from stlc.solve.heuristics.dive import DIVE
 from stlc.solve.link_search import LINKS
-from stlc.solve.routes.strategy import ROUTES
+from stlc.solve.routes.strategy import GRIDS, ROUTES
 from stlc.solve.strategy import Strategy, Work
 from stlc.solve.teams.groups import GROUPS
 from stlc.solve.teams.improvement import NEIGHBOURHOODS
@@ -125,6 +126,6 @@ def solve_twice_if_infeasible(model: Model, backend: Backend, options: SolveOpti
 BRIEF = Strategy("brief", _is_small, _try_briefly, heeds_caps=True)
 MILP = Strategy("milp", lambda work: True, _solve_whole, heeds_caps=True)
 STRATEGIES: tuple[Strategy, ...] = (
-    BRIEF, TURNS, GROUPS, ROUTES, LONE, NEIGHBOURHOODS, PARTS, LINKS, DIVE, MILP,
+    BRIEF, GRIDS, TURNS, GROUPS, ROUTES, LONE, NEIGHBOURHOODS, PARTS, LINKS, DIVE, MILP,
 )  # fmt: skip
 """Every strategy, in the order in which they run."""

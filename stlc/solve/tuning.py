@@ -117,6 +117,12 @@ class Route:
     known_share: float = 0.4  # where a plan was known before
     bound_seconds: float = 60.0
     cuts: tuple[int, ...] = (1, 3, 6, 12)  # into which the fastest move is cut, at least
+    beside: tuple[tuple[float, int], ...] = ((0.0, 0), (1.0, 1), (2.0, 2))
+    # line gaps and steps: plans near a grid's cheapest run, found at once or not; each is the only
+    # one to find any of maze_5 (the last), the door of tests (the middle), rover-1 within 0.1 s
+    first_efforts: int = 2  # of beams ahead of a first plan by grids
+    grid_share: float = 0.5  # of the time that is left, for that
+    grid_agents: int = 6  # and at most so many
     growth: float = 2.0  # how much longer the next grid takes
     hardly: float = 2.0  # a grid is left out whose next has at most so many times its moves
     climbs: int = 10  # ascents of prices on visits, at most

@@ -24,7 +24,10 @@ from stlc.solve.relaxation.bodies import body_of
 from stlc.solve.routes.boxes import places_of
 from stlc.solve.routes.finder import Routes
 from stlc.solve.routes.loose import fits
+from stlc.solve.routes.nearby import FINDER, solved
 from stlc.solve.routes.play import MOST_MOVES, Play, play_of
+from stlc.solve.routes.traced import traced
+from stlc.solve.routes.tube import within
 from stlc.solve.routes.visit_bound import Climb, Priced
 from stlc.solve.routes.visits import Search, kinds_of
 from stlc.solve.strategy import Work
@@ -75,35 +78,42 @@ class Bounds:
         return replace(model, col_lower=np.minimum(lower, upper), col_upper=upper)
 
     def better(self, work: Work, share: float) -> Work:
-        """The work with the best bounds that there is time for, as rows too; `share` of the time
-        that is left."""
+        """The work with the best bounds that there is time for, as rows too, and with plans that
+        lie near the runs they are of; `share` of the time that is left."""
         deadline = work.deadline.share(share, tuning.ROUTES.bound_seconds)
         lone = dict(self.lone)
         for name, climb in self.visits.items():
             lone[name] = climb.bound(_left(work, lone, name), deadline.over)
         found = _told(work, lone)
-        names = [n for n in work.compiled.mission.agents if fits(work.compiled, n)]
-        if names:
-            found = self._by_grids(found, names, lone, deadline)
+        if self.gridded:
+            found = self._by_grids(found, self.gridded, lone, deadline)
         return _with_rows(found, lone)
 
     def _by_grids(
         self, work: Work, names: list[str], lone: dict[str, float], deadline: Deadline
     ) -> Work:
-        """Finer and finer grids, `lone` kept up to date."""
-        cuts = self._cuts(work, names)
-        for cut in cuts:
-            began = time.monotonic()
+        """Finer and finer grids, `lone` kept up to date; plans near the runs of each."""
+        for cut in self._cuts(work, names):
+            began, grids = time.monotonic(), dict[str, Play]()
             for name in names:
-                grid = self._grid(work, name, cut, _left(work, lone, name), deadline.over)
+                most = _left(work, lone, name)
+                grid = grids[name] = self._grid(work, name, cut, most, deadline.over)
                 found = grid.bound() if grid.size() <= MOST_MOVES else None
                 if found is None:
                     return _told(work, lone)
                 lone[name] = max(found, lone.get(name, 0.0))
                 work = _told(work, lone)
+            if not work.proven():
+                work = _beside(work, grids)
             if work.proven() or deadline.left < tuning.ROUTES.growth * (time.monotonic() - began):
                 break
         return work
+
+    @property
+    def gridded(self) -> list[str]:
+        """The agents whose inputs move them directly."""
+        compiled = self.grids.compiled
+        return [name for name in compiled.mission.agents if fits(compiled, name)]
 
     def _cuts(self, work: Work, names: list[str]) -> list[int]:
         """Those of the tuning but for the ones whose next is hardly more to judge."""
@@ -118,6 +128,18 @@ class Bounds:
     def _grid(self, work: Work, name: str, cut: int, most: float, over: Callable[[], bool]) -> Play:
         grids = self.grids
         return play_of(work.compiled, name, grids.progress, grids.levels, cut, most, over)
+
+
+def _beside(work: Work, grids: Mapping[str, Play]) -> Work:
+    """The work with a plan near the runs that the bounds of grids are of, if there is one."""
+    boxes = {name: run for name, grid in grids.items() if (run := traced(grid)) is not None}
+    wide = max(float(grid.widest) for grid in grids.values())
+    for room, steps in tuning.ROUTES.beside if boxes else ():
+        near = within(work.compiled, boxes, room * wide, steps)
+        found = solved(work, near, tuning.ROUTES.repair_seconds, work.options.gap)
+        if found is not None and found.x is not None:
+            return work.with_point(found.x, FINDER)
+    return work
 
 
 def only_effort(compiled: Compiled) -> bool:

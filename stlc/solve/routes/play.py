@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,6 +34,15 @@ from stlc.solve.routes.progress import Open, Progress
 _ROOM = 1e-3  # m beyond the outermost lines: the ranges end there
 MOST_MOVES = 3_000_000  # grid points times moves: what a step judges
 MOST_STATES = 200_000_000  # states times moves at a step
+
+
+class Layer(NamedTuple):
+    """States (k,) at a step: index in `opens`, cell, cost so far."""
+
+    opens: Sequence[Open]
+    where: Ints
+    which: Ints
+    cost: Floats
 
 
 @dataclass(slots=True, eq=False)
@@ -59,6 +69,7 @@ class Play:
     moves: Ints = field(init=False)
     prices: Floats = field(init=False)
     places: Grid = field(init=False)
+    layers: list[Layer] = field(default_factory=list)  # of the last `bound`, by step
 
     def __post_init__(self) -> None:
         self.shape = (len(self.lines[0]), len(self.lines[1]))
@@ -86,6 +97,11 @@ class Play:
             np.ones(len(self.points), bool), lines=self.lines, ends=self.ends, prices=self.prices,
         )  # fmt: skip
 
+    @property
+    def widest(self) -> float:
+        """The widest gap between lines [m]."""
+        return float(max(np.diff(line).max(initial=0.0) for line in self.lines))
+
     def size(self) -> int:
         """Moves that a step has to judge."""
         return len(self.points) * len(self.moves)
@@ -98,35 +114,32 @@ class Play:
         after = self.progress.after(frozenset(), 0, label[1][0], {}) if label[0].all() else None
         if after is None:
             return self.most
-        opens, where = [after], np.array([start])
-        which, cost = np.zeros(1, np.int64), np.zeros(1)
+        layer = Layer([after], np.array([start]), np.zeros(1, np.int64), np.zeros(1))
+        self.layers = [layer]
         for t in range(1, len(self.lower)):
-            if self.over():
-                return None
-            found = self._step(t, opens, where, which, cost)
+            found = None if self.over() else self._step(t, layer)
             if found is None:
                 return None
-            opens, where, which, cost = found
-            if not len(where):
+            layer = found
+            self.layers.append(layer)
+            if not len(layer.where):
                 return self.most
-        done = np.array([not open_ for open_ in opens])
-        ends = cost[done[which]]
-        return float(min(ends.min(initial=self.most), self.most))
+        return float(min(layer.cost[self.finished()].min(initial=self.most), self.most))
 
-    def _step(
-        self, t: int, opens: Sequence[Open], where: Ints, which: Ints, cost: Floats
-    ) -> tuple[list[Open], Ints, Ints, Floats] | None:
-        """All moves of step t: the cheapest cost of each open formula and cell.
+    def finished(self) -> Bools:
+        """The states of the last layer that leave nothing open."""
+        done = np.array([not open_ for open_ in self.layers[-1].opens], bool)
+        return np.asarray(done[self.layers[-1].which])
 
-        `where`, `which`, `cost` are parallel: cell, index in `opens`, cost so far. None where
-        there would be too many states.
-        """
-        moves = self.moves
+    def _step(self, t: int, layer: Layer) -> Layer | None:
+        """All moves of step t: the cheapest cost of each open formula and cell. None where there
+        would be too many states."""
+        moves, (opens, where, which, cost) = self.moves, layer
         if len(where) * len(moves) > MOST_STATES:
             return None
         origins, row = np.unique(where, return_inverse=True)
         pairs = np.repeat(origins, len(moves)), np.tile(moves, (len(origins), 1))
-        fine, labels, label = self._classes(t, *pairs)
+        fine, labels, label = self.classes(t, *pairs)
         shape = (len(origins), len(moves))
         fine, label = fine.reshape(shape), label.reshape(shape)
         met = np.zeros((len(opens), len(labels)), bool)
@@ -151,9 +164,7 @@ class Play:
                 np.minimum.at(least, target[mask], value[mask])
         return self._kept(t, after, best)
 
-    def _kept(
-        self, t: int, opens: list[Open], best: dict[int, Floats]
-    ) -> tuple[list[Open], Ints, Ints, Floats]:
+    def _kept(self, t: int, opens: list[Open], best: dict[int, Floats]) -> Layer:
         """The states after a step that may still end below `most`."""
         wheres, whiches, costs = [], [], []
         due = np.isfinite(Agenda.of(self.places, opens, t).due)
@@ -169,15 +180,12 @@ class Play:
             better = table[rivals[rivals != k]].min(axis=0, initial=np.inf)
             row[row >= better] = np.inf
             kept = np.flatnonzero(np.isfinite(row))
-            least = row
             wheres.append(kept)
             whiches.append(np.full(len(kept), q))
-            costs.append(least[kept])
+            costs.append(row[kept])
         none = np.empty(0, np.int64)
-        return (
-            opens, np.concatenate([none, *wheres]), np.concatenate([none, *whiches]),
-            np.concatenate([np.empty(0), *costs]),
-        )  # fmt: skip
+        where, which = np.concatenate([none, *wheres]), np.concatenate([none, *whiches])
+        return Layer(opens, where, which, np.concatenate([np.empty(0), *costs]))
 
     def _to_go(self, due: Bools, where: Ints) -> Floats:
         """What a way through all places that are due costs at the least (k,)."""
@@ -187,7 +195,7 @@ class Play:
         first = np.array([self.places.ways[k][where] for k in places])
         return np.asarray((first + self.places.tours(places)[:, None]).min(axis=0))
 
-    def _classes(
+    def classes(
         self, t: int, where: Ints, moves: Ints
     ) -> tuple[Bools, list[dict[int, bool]], Ints]:
         """Which moves may be (k,), what holds after them by class, and the class of each."""

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
-from stlc.arrays import Floats
 from stlc.backends.base import Capability, Solution, Status
-from stlc.errors import SolverError
 from stlc.ir.networks import Count, Network
 from stlc.ir.nodes import walk
-from stlc.milp.model import Model
 from stlc.mission import TermKind
 from stlc.solve import tuning
-from stlc.solve.certify import continuous_part
 from stlc.solve.routes.bounds import Bounds
 from stlc.solve.routes.finder import Effort, Routes
-from stlc.solve.routes.tube import covers, tube
+from stlc.solve.routes.loose import fits
+from stlc.solve.routes.nearby import FINDER, bettered, polished, solved
+from stlc.solve.routes.tube import tube
 from stlc.solve.strategy import Strategy, Work
 
-FINDER = "routes"
 _NEEDED = Capability.TIME_LIMIT | Capability.GAP
 
 
@@ -67,10 +62,10 @@ def _run(work: Work) -> Work | Solution:
     found = work
     if bounds is not None and work.x is None:
         found = _visiting(work, bounds)
-    found = _first_plan(found) if found.x is None else found
+    found = _first_plan(found, bounds) if found.x is None else found
     if found.x is None:
         return found
-    better = _bettered(found, tuning.ROUTES.better_share)
+    better = bettered(found, tuning.ROUTES.better_share)
     if bounds is None or isinstance(better, Solution):
         return better
     return bounds.better(better, tuning.ROUTES.bound_share)
@@ -83,7 +78,7 @@ def _glanced(work: Work) -> Work | Solution | None:
         return work
     seconds = tuning.ROUTES.glance if work.x is None else tuning.ROUTES.known_glance
     moment = work.deadline.share(tuning.ROUTES.share, seconds)
-    glance = _solved(work, work.compiled.model, moment.left, work.options.gap)
+    glance = solved(work, work.compiled.model, moment.left, work.options.gap)
     if glance is not None and glance.status is Status.OPTIMAL:
         return work.concluded(glance)
     if glance is None or glance.status is Status.INFEASIBLE:
@@ -100,7 +95,7 @@ def _visiting(work: Work, bounds: Bounds) -> Work:
         model = bounds.visiting(work.compiled, room, moment.over)
         if model is None:
             break
-        found = _solved(work, model, tuning.ROUTES.repair_seconds, tuning.ROUTES.rough)
+        found = solved(work, model, tuning.ROUTES.repair_seconds, tuning.ROUTES.rough)
         if found is not None and found.x is not None:
             return work.with_point(found.x, FINDER)
         if moment.over():
@@ -108,65 +103,39 @@ def _visiting(work: Work, bounds: Bounds) -> Work:
     return work
 
 
-def _first_plan(work: Work) -> Work:
-    """Beams of growing effort; a run is repaired by the model in tubes of growing radius."""
+def _first_plan(work: Work, bounds: Bounds | None) -> Work:
+    """Beams of growing effort, after a few of them grids where agents are such."""
     deadline = work.deadline.share(tuning.ROUTES.share, tuning.ROUTES.seconds)
     routes = Routes.of(work.compiled, deadline.over)
-    for width, parts, miss, greed in tuning.ROUTES.efforts:
-        runs = routes.team(Effort(width, parts, miss, greed))
-        if runs is not None:
-            spacing = max(routes.spacing(name, parts) for name in runs.states)
-            for cells in tuning.ROUTES.repair:
-                near = tube(work.compiled, runs.states, cells * spacing)
-                found = _solved(work, near, tuning.ROUTES.repair_seconds, tuning.ROUTES.rough)
-                if found is not None and found.x is not None:
-                    return work.with_point(_polished(work, found.x), FINDER)
-        if deadline.over():
+    for number, effort in enumerate(tuning.ROUTES.efforts):
+        if number == tuning.ROUTES.first_efforts and bounds is not None and bounds.gridded:
+            work = bounds.better(work, tuning.ROUTES.grid_share)
+        if work.x is not None or deadline.over():
             break
+        work = _beamed(work, routes, Effort(*effort))
     return work
 
 
-def _bettered(work: Work, share: float) -> Work | Solution:
-    """Better plans near the plan: wider while it is easy, narrower where it is not."""
-    deadline = work.deadline.share(share, tuning.ROUTES.better_seconds)
-    size = max(float(np.ptp(r.position_upper[:, :2])) for r in work.compiled.ranges.values())
-    radius = tuning.ROUTES.first_radius * size
-    while not deadline.over() and not work.proven():
-        assert work.x is not None
-        near = tube(work.compiled, work.compiled.decode(work.x).states, radius)
-        most = min(deadline.left, tuning.ROUTES.tube_seconds)
-        found = _solved(work, near, most, work.options.gap)
-        if found is None:
-            return work
-        if found.status is Status.OPTIMAL and covers(work.compiled.model, near):
-            return work.concluded(found)
-        before = work.value
-        work = work.with_point(found.x, FINDER)
-        if found.status is Status.OPTIMAL:
-            radius *= tuning.ROUTES.wider
-        elif work.value >= before:
-            radius /= tuning.ROUTES.wider
-        if radius < tuning.ROUTES.least_radius * size:
-            break
+def _beamed(work: Work, routes: Routes, effort: Effort) -> Work:
+    """A run by beams, repaired by the model in tubes of growing radius."""
+    runs = routes.team(effort)
+    if runs is None:
+        return work
+    spacing = max(routes.spacing(name, effort.parts) for name in runs.states)
+    for cells in tuning.ROUTES.repair:
+        near = tube(work.compiled, runs.states, cells * spacing)
+        found = solved(work, near, tuning.ROUTES.repair_seconds, tuning.ROUTES.rough)
+        if found is not None and found.x is not None:
+            return work.with_point(polished(work, found.x), FINDER)
     return work
 
 
-def _polished(work: Work, x: Floats) -> Floats:
-    """The best continuous part for the integers of a point (n,)."""
-    found = _solved(work, continuous_part(work.compiled.model, x), 5.0, 0.0)
-    return x if found is None or found.x is None else found.x
+def _are_on_grids(work: Work) -> bool:
+    """A small team without a plan whose agents all go where their inputs say, for effort."""
+    names = work.compiled.mission.agents
+    team = 1 < len(names) <= tuning.ROUTES.grid_agents and work.x is None
+    return team and applies(work) and all(fits(work.compiled, name) for name in names)
 
 
-def _solved(work: Work, model: Model, seconds: float, gap: float) -> Solution | None:
-    """A solve on the way, for so many seconds; None where the solver failed."""
-    start = work.x if work.can(Capability.START) else None
-    asked = work.deadline.within(seconds).bind(work.options)
-    try:
-        return work.backend.solve(
-            model, replace(asked, gap=max(gap, work.options.gap), start=start, on_progress=None)
-        )
-    except SolverError:
-        return None  # the whole model is still to be solved
-
-
+GRIDS = Strategy("grids", _are_on_grids, _run)
 ROUTES = Strategy("routes", applies, _run)

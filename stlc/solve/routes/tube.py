@@ -33,6 +33,30 @@ def tube(compiled: Compiled, states: Mapping[str, Floats], radius: float) -> Mod
     return replace(model, col_lower=lower, col_upper=upper)
 
 
+def within(compiled: Compiled, boxes: Mapping[str, Floats], room: float, steps: int) -> Model:
+    """The model with agents whose states are their position in boxes (2, T+1, 2: low and high),
+    `room` [m] wider to each side, up to so many steps sooner or later."""
+    model = compiled.model
+    lower, upper = model.col_lower.copy(), model.col_upper.copy()
+    for name, run in boxes.items():
+        low, high = _sooner_or_later(run, steps)
+        columns = compiled.states[name]
+        ends = lower[columns], upper[columns]
+        lower[columns] = np.clip(low - room, *ends)
+        upper[columns] = np.clip(high + room, *ends)
+    return replace(model, col_lower=lower, col_upper=upper)
+
+
+def _sooner_or_later(run: Floats, steps: int) -> tuple[Floats, Floats]:
+    """Hulls (T+1, n), low and high, of the boxes (2, T+1, n) of so many steps before and after."""
+    (low, high), last = run, run.shape[1] - 1
+    shifts = [np.clip(np.arange(last + 1) + k, 0, last) for k in range(-steps, steps + 1)]
+    return (
+        np.minimum.reduce([low[shift] for shift in shifts]),
+        np.maximum.reduce([high[shift] for shift in shifts]),
+    )
+
+
 def covers(model: Model, tight: Model) -> bool:
     """Whether the tube holds the whole model."""
     return bool(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +19,11 @@ from stlc.solve import tuning
 from stlc.solve.routes.finder import Routes
 from stlc.solve.routes.loose import fits
 from stlc.solve.routes.play import play_of
+from stlc.solve.routes.strategy import GRIDS, ROUTES
+from stlc.solve.routes.traced import traced
+from stlc.solve.routes.tube import within
 from stlc.solve.strategies import run_strategy
+from stlc.solve.strategy import Work
 
 DOOR = """step {step} s
 horizon {steps}
@@ -58,6 +63,9 @@ require apart: always separation(a, b) >= 1 m
 require swap: eventually (a in right and b in left)
 minimize effort
 """
+APART = TEAM.replace(
+    "eventually (a in right and b in left)", "(eventually a.y >= 4 m) and (eventually b.y >= 4 m)"
+)
 MISSIONS = {
     "door": DOOR.format(step=1, steps=14, price=1, weight=1),
     "prices": DOOR.format(step=0.5, steps=20, price=2.5, weight=0.3),
@@ -88,6 +96,28 @@ def test_bounds_stay_below_the_optimum_and_come_near(name: str) -> None:
     assert max(found) <= best + 1e-6
     assert found[-1] >= 0.9 * best
     assert bound(one, "r", 3, 0.5 * best) == pytest.approx(min(0.5 * best, found[2]))
+
+
+@pytest.mark.parametrize("name", MISSIONS)
+def test_run_of_a_bound_leads_to_a_cheap_plan(name: str) -> None:
+    """It begins at the start, ends where the mission does, and a plan near it is hardly dearer."""
+    one = compile_mission(loads(MISSIONS[name]))
+    grids, best = Routes.of(one, lambda: False), optimum(one)
+    grid = play_of(one, "r", grids.progress, grids.levels, 3, 1.2 * best, lambda: False)
+    assert traced(grid) is None  # not yet bounded
+    assert grid.bound() is not None
+    run = traced(grid)
+    assert run is not None
+    low, high = run
+    assert (low[0] <= (one.mission.agents["r"].start)).all()
+    assert ((high - low)[1:] <= 2 * grid.widest + 1e-2).all()
+    near = within(one, {"r": run}, 2 * grid.widest, 2)
+    found = get("highs").solve(near, SolveOptions(gap=1e-6))
+    assert found.objective is not None
+    assert best - 1e-6 <= found.objective <= 1.1 * best
+    grid.most = 0.5 * best
+    grid.bound()
+    assert traced(grid) is None
 
 
 SIZES = st.floats(0.4, 1.9)
@@ -151,6 +181,33 @@ def test_bound_is_that_of_the_solve(monkeypatch: pytest.MonkeyPatch) -> None:
     found = run_strategy("routes", one, get("highs"), SolveOptions(time_limit=100.0, gap=1e-6))
     assert found.status is Status.OPTIMAL
     assert found.objective == pytest.approx(optimum(one), abs=1e-5)
+
+
+def test_team_on_grids_is_planned_and_proven_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`grids` ahead of `turns`; it leaves other agents, and teams that have a plan, alone."""
+    monkeypatch.setattr(tuning, "ROUTES", replace(tuning.ROUTES, glance=0.0))
+    one = compile_mission(loads(APART))
+    work = Work.of(one, get("highs"), SolveOptions(time_limit=60.0))
+    assert GRIDS.applies(work)
+    found = run_strategy("grids", one, get("highs"), work.options)
+    assert found.status is Status.OPTIMAL
+    assert found.x is not None
+    assert found.objective == pytest.approx(optimum(one), abs=1e-3)
+    assert not GRIDS.applies(work.with_point(found.x, ""))
+    heavy = compile_mission(loads(APART.replace("single_integrator", "double_integrator")))
+    assert not GRIDS.applies(Work.of(heavy, get("highs"), SolveOptions()))
+
+
+def test_plan_comes_from_grids_where_beams_find_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are not even tried here."""
+    grids: dict[str, Any] = {"efforts": ((1, 1, 0.0, 1.0),), "first_efforts": 0}
+    quick = replace(tuning.ROUTES, glance=0.0, better_seconds=0.0, **grids)
+    monkeypatch.setattr(tuning, "ROUTES", quick)
+    one = compile_mission(loads(MISSIONS["door"]))
+    done = ROUTES.run(Work.of(one, get("highs"), SolveOptions(time_limit=60.0, gap=1e-6)))
+    assert isinstance(done, Work)
+    assert done.finder == "routes"
+    assert done.value <= 1.05 * optimum(one)
 
 
 def test_gives_up_when_asked() -> None:
