@@ -10,9 +10,11 @@ from stlc.api import loads, solve
 from stlc.errors import StlcError
 from stlc.explain.conflict import Conflict
 from stlc.explain.edits import Change
-from stlc.explain.givens import givens_of
+from stlc.explain.givens import Given, givens_of
 from stlc.explain.oracle import Oracle, Verdict, channels_of
 from stlc.explain.repair import Repairer
+from stlc.explain.weaken import conjuncts
+from stlc.ir.requirement import Requirement
 from stlc.mission import Mission
 from stlc.solve.deadline import Deadline
 from stlc.solve.outcome import SolveSettings
@@ -52,7 +54,7 @@ def _kept(case: Planted, mission: Mission, conflict: Conflict) -> Iterator[str]:
     )
     oracle = Oracle(mission, "highs", Deadline.after(LIMIT))
     for piece in conflict.clauses:
-        rest = (*others, *(c for c in conflict.clauses if c is not piece))
+        rest = (*others, *_others(conflict, piece))
         if oracle(rest) is not Verdict.FEASIBLE:
             yield f"{piece.name} is not needed"
     every = givens_of(mission, conflict.agents, sorted(channels_of(conflict.clauses)))
@@ -60,6 +62,26 @@ def _kept(case: Planted, mission: Mission, conflict: Conflict) -> Iterator[str]:
     for given in conflict.givens:
         if oracle(conflict.clauses, {given, *spare}) is not Verdict.FEASIBLE:
             yield f"{given} is not needed"
+
+
+def freeing(mission: Mission, conflict: Conflict) -> tuple[int, int]:
+    """How many members give the whole mission a plan when they alone go, and how many leave another
+    conflict, as proven: a second bound that is too tight as well, or one of other clauses."""
+    oracle = Oracle(mission, "highs", Deadline.after(LIMIT))
+    whole = tuple(p for r in mission.requirements for p in conjuncts(r))
+    known = {r.name for r in mission.requirements}
+    asked: list[tuple[tuple[Requirement, ...], set[Given]]] = []
+    for piece in conflict.clauses:  # its requirement without it, as far as the conflict knows it
+        names = known - {piece.name}
+        rest = (*(p for p in whole if p.name in names), *_others(conflict, piece))
+        asked.append((rest, set()))
+    asked += [(mission.requirements, {given}) for given in conflict.givens]
+    verdicts = [oracle(pieces, free) for pieces, free in asked]
+    return verdicts.count(Verdict.FEASIBLE), verdicts.count(Verdict.INFEASIBLE)
+
+
+def _others(conflict: Conflict, piece: Requirement) -> tuple[Requirement, ...]:
+    return tuple(c for c in conflict.clauses if c is not piece)
 
 
 def offered(case: Planted, mission: Mission, conflict: Conflict) -> tuple[Change, ...]:

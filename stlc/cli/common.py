@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 Style = Literal["text", "json", "sarif", "github"]
 INTERNAL = 70
+GRACE = 0.4
+"""Seconds that a solver may overrun its limit, or Ctrl-C, before it is left behind."""
 OUT_OF_MEMORY = "out of memory: try coarser partitions, fewer steps or `--encoding lifted`"
 
 

@@ -5,20 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from stlc.cli.answer import answer
 from stlc.cli.common import (
+    GRACE,
     check_outputs,
-    complain,
     load,
     mission_options,
     parse_defines,
-    show_diagnostics,
 )
-from stlc.diagnostics import Diagnostic, Note
 from stlc.errors import InfeasibleError, NoPlanError, ViolationError
 
 if TYPE_CHECKING:
@@ -26,29 +24,11 @@ if TYPE_CHECKING:
     from stlc.explain.edits import Change
     from stlc.explain.oracle import Oracle
     from stlc.explain.repair import Load
-    from stlc.mission import Bound, Mission
+    from stlc.mission import Mission
+    from stlc.solve.deadline import Deadline
 
-_GRACE = 0.4  # s that a solver may overrun its limit, or Ctrl-C, before it is left behind
 _OFFERED = 5  # changes
-
-
-class ConflictingClauses(Diagnostic):
-    """No plan exists because these clauses cannot hold together.
-
-    Dynamics always hold. Of the requirements, and of the bounds, starts, workspace and partitions
-    named, those shown cannot all be satisfied by any run. Where the set is minimal, leaving out any
-    one of them makes the rest satisfiable: relax one (a later deadline, a larger region, a lower
-    threshold, a wider bound). `stlc explain FILE --fix` offers such changes.
-    """
-
-    code: ClassVar[str] = "E0801"
-    title: ClassVar[str] = "no plan exists: {what} cannot be satisfied{together}"
-    label: ClassVar[str] = "{first}"
-    help: ClassVar[str] = "{remedy}"
-    what: str
-    together: str
-    first: str
-    remedy: str
+_EXPLAINING = 0.5  # part of the time, where changes are looked for afterwards
 
 
 @click.command("explain")
@@ -108,6 +88,11 @@ class _Words:
     pick: int
     as_json: bool
 
+    @property
+    def fixes(self) -> bool:
+        """Whether changes are asked for."""
+        return self.fix or self.out is not None
+
 
 def _explain_plan(
     file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...], plan: Path, given: _Words
@@ -126,20 +111,24 @@ def _explain_plan(
 
 def _explain(mission: Mission, load_text: Load, given: _Words) -> int:
     """Print the conflict, or every one, and changes; the exit status of `stlc explain`."""
-    from stlc.explain.conflict import Verdict, begin
-    from stlc.explain.oracle import Oracle
+    from stlc.explain.oracle import Oracle, Verdict
+    from stlc.explain.whole import begin, undecided
     from stlc.solve.deadline import Deadline
 
-    oracle = Oracle(mission, given.backend, Deadline.after(given.time_limit), _GRACE)
+    end = Deadline.after(given.time_limit)
+    part = end.share(_EXPLAINING) if given.fixes else end
+    oracle = Oracle(mission, given.backend, part, GRACE)
     verdict = begin(oracle)
     if verdict is Verdict.UNKNOWN:
-        raise NoPlanError(f"not decided within {given.time_limit:g} s")
+        known = undecided(oracle)
+        text = f"not decided within {given.time_limit:g} s"
+        raise NoPlanError(f"{text}: {known}" if known else text)
     if verdict is Verdict.FEASIBLE:
         text = "no conflict: the requirements can be satisfied together"
         answer({"status": "feasible", "conflicts": []}) if given.as_json else click.echo(text)
         return 0
     found, complete = _conflicts(oracle, given.every)
-    changes = _changes(mission, found[0], load_text, given) if found else ()
+    changes = _changes(mission, found[0], load_text, given, end) if found else ()
     if given.as_json:
         answer(_as_dict(found, complete, changes))
     else:
@@ -150,16 +139,14 @@ def _explain(mission: Mission, load_text: Load, given: _Words) -> int:
 
 
 def _changes(
-    mission: Mission, conflict: Conflict, load_text: Load, given: _Words
+    mission: Mission, conflict: Conflict, load_text: Load, given: _Words, end: Deadline
 ) -> tuple[Change, ...]:
-    """Changes that end the conflict, where they are asked for, within a time limit of their own."""
+    """Changes that end the conflict, where they are asked for."""
     from stlc.explain.repair import Repairer
-    from stlc.solve.deadline import Deadline
 
-    if not given.fix and given.out is None:
+    if not given.fixes:
         return ()
-    limit = Deadline.after(given.time_limit)
-    repairer = Repairer(load_text, given.backend, limit, _GRACE)
+    repairer = Repairer(load_text, given.backend, end, GRACE)
     return repairer.changes(mission, conflict, max(_OFFERED, given.pick))
 
 
@@ -188,15 +175,17 @@ def _print(
     found: Sequence[Conflict], complete: bool, changes: Sequence[Change], given: _Words
 ) -> None:
     """Conflicts on standard error, their number and changes on standard output."""
+    from stlc.cli.conflicts import show
+
     for conflict in found:
-        _show(conflict)
+        show(conflict)
     if given.every:
         click.echo(_count(len(found), complete))
-    if given.fix or given.out is not None:
+    if given.fixes:
         click.echo(
             f"{_offers(len(changes))}, each with a verified plan; the smallest first:"
             if changes
-            else "no change of one number gives a plan within the limit"
+            else "no change of the file's numbers gives a plan within the limit"
         )
         for number, change in enumerate(changes, start=1):
             click.echo(f"  {number}. {change}")
@@ -219,81 +208,3 @@ def _conflicts(oracle: Oracle, every: bool) -> tuple[Sequence[Conflict], bool]:
 def _count(number: int, complete: bool) -> str:
     more = "" if complete else "; there may be others: some questions took too long"
     return f"{number} minimal conflict{'' if number == 1 else 's'}{more}"
-
-
-def show_conflict(mission: Mission, backend: str, seconds: float, told: str) -> list[str]:
-    """Print what conflicts in a mission that is proven infeasible, as found within `seconds`.
-    Returns the names of its clauses.
-
-    `told` is what the person has read of the proof already.
-    """
-    from stlc.explain.conflict import Verdict, explain
-
-    result = explain(mission, backend=backend, time_limit=seconds, proven=True, grace=_GRACE)
-    if isinstance(result, Verdict):
-        return []
-    _show(result, told)
-    return [clause.name for clause in result.clauses]
-
-
-def _show(conflict: Conflict, told: str = "") -> None:
-    """The clauses that conflict; without any, starts, dynamics and bounds rule out every run."""
-    if conflict.clauses:
-        return show_diagnostics([_diagnostic(conflict, told)])
-    known = "" if told and told in conflict.confirmation else f" ({conflict.confirmation})"
-    complain(
-        f"no requirement is to blame: starts, dynamics, bounds and workspace alone rule out "
-        f"every run{known}"
-    )
-
-
-def _remedy(several: bool, by_cells: Bound | None) -> str:
-    from stlc.solve.blame import remedy
-
-    if by_cells is not None:
-        return remedy(by_cells)
-    what = "one of them" if several else "it"
-    return f"relax {what}, or a bound named here; `stlc explain FILE --fix` offers changes"
-
-
-def _diagnostic(conflict: Conflict, told: str) -> Diagnostic:
-    """The conflict as a diagnostic at its first clause, the others as notes at theirs.
-
-    `told` is what was confirmed above already: it isn't said twice.
-    """
-    from stlc.explain.words import clause
-
-    clauses = list(zip(conflict.clauses, conflict.spans, strict=True))
-    several = len(clauses) > 1
-    first = clause(clauses[0][0])
-    return ConflictingClauses(
-        span=clauses[0][1],
-        what=f"these {len(clauses)} clauses" if several else f"`{clauses[0][0].name}`",
-        together=(" together" if several else "")
-        + (" cell by cell" if conflict.by_cells is not None else ""),
-        first=f"`{clauses[0][0].name}`: {first}" if several else f"{first} cannot hold",
-        remedy=_remedy(several, conflict.by_cells),
-        notes=tuple(_notes(conflict, told)),
-    )
-
-
-def _notes(conflict: Conflict, told: str) -> list[Note]:
-    """The cause, the other members, and what is known of the proof."""
-    from stlc.explain.words import clause, parts_of, said
-
-    rest = zip(conflict.clauses[1:], conflict.spans[1:], strict=True)
-    remarks = [Note(f"cause: {conflict.cause.text}")] if conflict.cause.text else []
-    remarks += [Note(f"with this: `{c.name}`, {clause(c)}", span) for c, span in rest]
-    remarks += [
-        Note(f"of which this: `{said(part)}`", part.span)
-        for c in conflict.clauses
-        for part in parts_of(c)
-    ]
-    remarks += [Note(f"given this: {g}", g.span) for g in conflict.givens]
-    if conflict.by_cells is not None:
-        remarks.append(Note("the partition is the cause: points of its cells may have a plan"))
-    if not conflict.minimal:
-        remarks.append(Note("the set may not be minimal: some proofs hit the time limit"))
-    if not told or told not in conflict.confirmation:
-        remarks.append(Note(conflict.confirmation))
-    return remarks

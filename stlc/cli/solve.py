@@ -11,6 +11,7 @@ import click
 
 from stlc.cli.answer import answer, answer_end
 from stlc.cli.common import (
+    GRACE,
     check_outputs,
     complain,
     load,
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
     from stlc.solve.given_up import Price
     from stlc.solve.outcome import Outcome, SolveSettings
 
-_GRACE = 0.4  # s that a solver may overrun its limit, or Ctrl-C, before it is left behind
 _KEEPING = 10.0  # s for each preference that was given up: a reply is worth no longer wait
 _EXPLAIN = 20.0  # s for all solves that look for a conflict
 
@@ -179,7 +179,7 @@ def _prices(
 
 def _explain(mission: Mission, settings: SolveSettings, tell: Listener, told: str) -> int:
     """Which lines conflict, as far as a bounded time tells."""
-    from stlc.cli.explain import show_conflict
+    from stlc.cli.conflicts import show_conflict
     from stlc.solve.events import StatusEvent
 
     tell(StatusEvent("explain", "looking for the requirements that conflict"))
@@ -205,7 +205,7 @@ def _settings(mission: Mission, given: _Words) -> SolveSettings:
     return SolveSettings(
         given.backend, options, given.strategy, given.time_limit, given.gap,
         given.threads, given.seed, start, given.confirm, given.output,
-        parse_solver_options(given.option), _GRACE,
+        parse_solver_options(given.option), GRACE,
     )  # fmt: skip
 
 

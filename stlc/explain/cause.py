@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from stlc.backends import get
 from stlc.backends.base import SolveOptions
-from stlc.errors import InfeasibleError, MissionError, SolverError, UsageError
+from stlc.errors import InfeasibleError, MissionError, NoPlanError, SolverError, UsageError
 from stlc.explain.givens import Given, Kind, givens_of
 from stlc.explain.oracle import Oracle, Question, Verdict, channels_of
 from stlc.explain.words import body_of, clause, parts_of, said, unit_of
 from stlc.ir.nodes import Always, Eventually, Link, Node, Until, walk
 from stlc.ir.requirement import Requirement
-from stlc.milp.compile import compile_mission
 from stlc.mission import ObjectiveTerm, TermKind
+from stlc.solve.supervise import Supervisor
 
 _LONGER = 3  # times the horizon, and a little, for the earliest possible step
 _LOW = -1e6  # a margin that never binds
@@ -96,11 +97,14 @@ def _deadline(
         return None
     end, horizon = piece.formula.end, oracle.mission.horizon
     deadline = horizon if end is None else min(end, horizon)
-    earliest = earliest_step(oracle, piece, deadline)
+    later = Later(oracle, piece)
+    earliest = later.earliest(deadline)
+    if not later.sure:
+        return None
     who = _and(sorted(oracle.agents(pieces)))
     what, at = _purpose(body_of(piece.formula)), _speed(givens)
     if earliest is None:
-        most = _LONGER * horizon + 20
+        most = _most(oracle)
         text = f"{who} cannot {what} within {most} steps{at}, {_given(givens)}"
         return Cause(text)
     text = f"{who} needs at least {earliest} steps to {what}{at}; the deadline is {deadline}"
@@ -120,48 +124,51 @@ def _speed(givens: Sequence[Given]) -> str:
     return f" at `{speeds[0].span.text}`" if speeds and speeds[0].span else ""
 
 
-def earliest_step(oracle: Oracle, piece: Requirement, deadline: int) -> int | None:
-    """The first deadline at which an `eventually` or `until` is possible by itself, as proven.
-
-    None where there is none within three times the horizon.
-    """
-    later = Later(oracle, piece)
-    low, high = deadline + 1, deadline + 2
-    most = _LONGER * oracle.mission.horizon + 20
-    while later(min(high, most)) is not Verdict.FEASIBLE:
-        if high >= most:
-            return None
-        low, high = min(high, most) + 1, high + 2 * (high - deadline)
-    high = min(high, most)
-    while low < high:
-        middle = (low + high) // 2
-        if later(middle) is Verdict.FEASIBLE:
-            high = middle
-        else:
-            low = middle + 1
-    return high
+def _most(oracle: Oracle) -> int:
+    """The last step that is looked at for what comes too late."""
+    return _LONGER * oracle.mission.horizon + 20
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Later:
-    """Whether a piece is possible by another deadline, the horizon moved with it."""
+    """Whether a piece is possible by another deadline, the horizon moved with it.
+
+    `sure`: every deadline that was asked about is decided.
+    """
 
     oracle: Oracle
     piece: Requirement
+    sure: bool = True
 
-    def __call__(self, end: int) -> Verdict:
-        formula = self.piece.formula
+    def earliest(self, deadline: int) -> int | None:
+        """The first deadline at which an `eventually` or `until` is possible by itself.
+
+        None where there is none within three times the horizon, or it isn't `sure`.
+        """
+        low, high, most = deadline + 1, deadline + 2, _most(self.oracle)
+        while not self._by(min(high, most)):
+            if high >= most or not self.sure:
+                return None
+            low, high = min(high, most) + 1, high + 2 * (high - deadline)
+        high = min(high, most)
+        while low < high:
+            middle = (low + high) // 2
+            if self._by(middle):
+                high = middle
+            else:
+                low = middle + 1
+        return high if self.sure else None
+
+    def _by(self, end: int) -> bool:
+        formula, mission = self.piece.formula, self.oracle.mission
         assert isinstance(formula, Eventually | Until)
         piece = replace(self.piece, formula=replace(formula, end=end))
-        own = oracle_for(self.oracle, end)
-        return own([piece])
-
-
-def oracle_for(oracle: Oracle, end: int) -> Oracle:
-    """The oracle of the same mission over as many steps as a deadline needs."""
-    mission = oracle.mission
-    longer = replace(mission, horizon=max(mission.horizon, end))
-    return Oracle(longer, oracle.backend, oracle.deadline, oracle.grace, oracle.tables)
+        longer = replace(mission, horizon=max(mission.horizon, end))
+        asked = self.oracle
+        own = Oracle(longer, asked.backend, asked.deadline, asked.grace, asked.tables)
+        verdict = own([piece])
+        self.sure &= verdict is not Verdict.UNKNOWN
+        return verdict is Verdict.FEASIBLE
 
 
 # --- too little --------------------------------------------------------------------------------
@@ -195,10 +202,10 @@ def shortfall(oracle: Oracle, question: Question, piece: Requirement) -> float |
     freed = tuple(replace(r, margin=_LOW) if r.name == name else r for r in part.requirements)
     goal = ObjectiveTerm(TermKind.ROBUSTNESS, -1.0, requirement=name)
     try:
-        mission = replace(part, requirements=freed, objective=(goal,))
-        compiled = compile_mission(mission, oracle.options(question))
-        asked = oracle.brief().bind(SolveOptions(gap=_GAP))
-        answer = get(oracle.backend).solve(compiled.model, asked)
-    except (InfeasibleError, MissionError, SolverError, UsageError):
+        mission, brief = replace(part, requirements=freed, objective=(goal,)), oracle.brief()
+        model = oracle.made(mission, oracle.options(question), brief).model
+        work, asked = partial(get(oracle.backend).solve, model), SolveOptions(gap=_GAP)
+        answer = Supervisor(work, brief.bind(asked), oracle.grace).run()
+    except (InfeasibleError, MissionError, NoPlanError, SolverError, UsageError):
         return None
-    return None if answer.bound is None else piece.margin + answer.bound
+    return None if answer is None or answer.bound is None else piece.margin + answer.bound

@@ -10,30 +10,32 @@ by a second solver.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from stlc import backends
 from stlc.backends.base import Solution, SolveOptions, Status
-from stlc.errors import InfeasibleError
+from stlc.errors import InfeasibleError, NoPlanError
 from stlc.explain import shrink
 from stlc.explain.cause import Cause, cause_of
 from stlc.explain.givens import Given, givens_of
 from stlc.explain.marco import conflicts
 from stlc.explain.oracle import Oracle, Question, Verdict, channels_of
+from stlc.explain.whole import begin
 from stlc.explain.words import clause, place, steps_of
 from stlc.ir.requirement import Requirement
 from stlc.milp.compile import CompileOptions
 from stlc.mission import Bound, Mission
+from stlc.solve.bounded import by_deadline
 from stlc.solve.confirm import confirm_infeasible
 from stlc.solve.deadline import Deadline
 
 if TYPE_CHECKING:
+    from stlc.milp.model import Model
     from stlc.source import Span
 
 __all__ = ["Conflict", "Verdict", "explain"]
 
-_WHILE = (0.3, 10.0)  # part of the time, and s, for the whole before its parts
 _OPINION = 10.0  # s for the second solver
 
 
@@ -102,33 +104,6 @@ def explain(
     return conflict_of(oracle, mission.requirements) if verdict is None else verdict
 
 
-def begin(oracle: Oracle, proven: bool = False) -> Verdict | None:
-    """Ask about the whole mission; None where it is proven to have no plan."""
-    whole = oracle.mission.requirements
-    if proven:
-        oracle.note(whole, Verdict.INFEASIBLE)
-    verdict = _asked(oracle, whole)
-    unseen = proven or verdict is not Verdict.INFEASIBLE  # agents that nothing is required of
-    if unseen and oracle.everybody() is Verdict.INFEASIBLE:
-        oracle.note((), Verdict.INFEASIBLE)
-        return None
-    return None if verdict is Verdict.INFEASIBLE else verdict
-
-
-def _asked(oracle: Oracle, whole: tuple[Requirement, ...]) -> Verdict:
-    """What is known of all requirements: at first by a solver for a while, then a few agents at a
-    time, then by the solver for as long as there is time."""
-    end = oracle.deadline
-    oracle.deadline = end.share(*_WHILE)
-    verdict = oracle(whole)
-    oracle.deadline = end
-    if verdict is not Verdict.UNKNOWN or end.over():
-        return verdict
-    if shrink.is_local(oracle, whole):
-        oracle.note(whole, Verdict.INFEASIBLE)
-    return oracle(whole)
-
-
 def conflict_of(oracle: Oracle, requirements: tuple[Requirement, ...]) -> Conflict:
     """A minimal conflict among requirements that are infeasible together."""
     oracle.sure = True
@@ -192,8 +167,6 @@ class Alone:
     name: str
 
     def __call__(self, kept: object) -> bool:
-        from dataclasses import replace
-
         mission = self.oracle.mission
         assert isinstance(kept, list)
         free = set(givens_of(mission, [self.name], [])) - set(kept)
@@ -208,6 +181,8 @@ def _reason(oracle: Oracle) -> str:
         oracle.compiled(Question(frozenset()))
     except InfeasibleError as error:
         return str(error)
+    except NoPlanError:
+        pass  # for want of time
     return "its start, dynamics and bounds rule out every one"
 
 
@@ -218,25 +193,39 @@ def _bound(mission: Mission, pieces: tuple[Requirement, ...]) -> Bound:
 
 def _proof(oracle: Oracle, pieces: tuple[Requirement, ...]) -> str:
     """Who proved it, after a second solver has looked; SolverError when the second differs."""
-    from dataclasses import replace
-
-    from stlc.solve.blame import compile_or_blame
-
-    part = (
-        oracle.part(Question(frozenset(pieces)))
-        if pieces
-        else replace(oracle.mission, requirements=(), objective=(), preferences=())
-    )
-    told = tuple(replace(r, name=r.name.rpartition("#")[0]) for r in part.requirements)
-    distinct = len({r.name for r in told}) == len(told)
-    part = replace(part, requirements=told) if distinct else part
-    try:
-        compiled = compile_or_blame(part, CompileOptions(tables=oracle.tables))
-    except InfeasibleError as error:
-        return f"proven by interval analysis: {error}"
     claim = Solution(
         Status.INFEASIBLE, solver=oracle.backend,
         solver_version=backends.get(oracle.backend).version(),
     )  # fmt: skip
+    late = f"{claim.solver_version} says so; no second solver was asked, for want of time"
+    try:
+        model = _model(oracle, _told(oracle, pieces))
+    except InfeasibleError as error:
+        return f"proven by interval analysis: {error}"
+    except NoPlanError:
+        return late
+    if oracle.deadline.over():
+        return late
     limit = max(1.0, min(_OPINION, oracle.deadline.left))
-    return str(confirm_infeasible(compiled.model, claim, options=SolveOptions(time_limit=limit)))
+    return str(confirm_infeasible(model, claim, options=SolveOptions(time_limit=limit)))
+
+
+def _told(oracle: Oracle, pieces: tuple[Requirement, ...]) -> Mission:
+    """The mission of some pieces, by the names that the file gives them where they are distinct."""
+    if not pieces:
+        return replace(oracle.mission, requirements=(), objective=(), preferences=())
+    part = oracle.part(Question(frozenset(pieces)))
+    told = tuple(replace(r, name=r.name.rpartition("#")[0]) for r in part.requirements)
+    distinct = len({r.name for r in told}) == len(told)
+    return replace(part, requirements=told) if distinct else part
+
+
+def _model(oracle: Oracle, mission: Mission) -> Model:
+    """Its model, by the oracle's deadline; raises as `compile_or_blame` and `by_deadline`."""
+    from stlc.solve.blame import compile_or_blame
+
+    options = CompileOptions(tables=oracle.tables)
+    return by_deadline(
+        lambda stop: compile_or_blame(mission, replace(options, should_stop=stop)).model,
+        oracle.deadline, oracle.grace,
+    )  # fmt: skip

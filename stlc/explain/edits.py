@@ -43,8 +43,9 @@ class Step:
 
     @property
     def cost(self) -> float:
-        """How large the change is; see `Knob.cost`."""
-        return self.knob.cost(self.count)
+        """How large the change is, from the number of the file as it was; see `Knob.cost`."""
+        own = self.replacements[0]
+        return self.knob.cost(number_in(own.span.text), float(own.new))
 
     def words(self) -> str:
         """`deadline of go 3 -> 4 (+1 step), line 12`."""
@@ -56,10 +57,15 @@ class Step:
                 for words in zip(*((r.span.text, r.new) for r in own), strict=True)
             )
             return f"{knob.name} {old} -> {new}, line {line}"
-        delta = float(own[0].new) - float(own[0].span.text.replace(" ", ""))
+        delta = float(own[0].new) - number_in(own[0].span.text)
         unit = "step" if knob.unit == "steps" and abs(delta) == 1 else knob.unit
         change = f"{delta:+.4g} {unit}".rstrip()
         return f"{knob.name} {own[0].span.text} -> {own[0].new} ({change}), line {line}"
+
+
+def number_in(text: str) -> float:
+    """A number of a text, with blanks behind its sign perhaps."""
+    return float(text.replace(" ", ""))
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import floor, log10
+from math import floor, log2, log10
 
 from stlc.explain.conflict import Conflict
 from stlc.explain.givens import Given, Kind
@@ -49,11 +49,11 @@ class Knob:
             return tuple(v * 2**count for v in self.values)
         return tuple(round(v + self.way * count * self.step, 12) for v in self.values)
 
-    def cost(self, count: int) -> float:
-        """How large the change is."""
+    def cost(self, old: float, new: float) -> float:
+        """How large the change from one number to another is."""
         if self.of is Of.PARTITION:
-            return 0.2 * count
-        return WEIGHT.get(self.of, 1.0) * count * self.step / self.scale
+            return 0.2 * abs(log2(new / old))
+        return WEIGHT.get(self.of, 1.0) * abs(new - old) / self.scale
 
 
 def knobs(mission: Mission, conflict: Conflict) -> tuple[Knob, ...]:

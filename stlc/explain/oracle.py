@@ -7,7 +7,9 @@ can do something by itself. Link tables are made once for all questions.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from functools import partial
@@ -18,13 +20,14 @@ from stlc import backends
 from stlc.analysis.unreachable import NoState, Unreachable
 from stlc.backends.base import Solution, SolveOptions, Status
 from stlc.channels import TableMemo
-from stlc.errors import InfeasibleError, MissionError
+from stlc.errors import InfeasibleError, MissionError, NoPlanError
 from stlc.explain.givens import Given, Kind, without
 from stlc.explain.still import still
 from stlc.ir.nodes import Always, Linear, Link, Role, walk
 from stlc.ir.requirement import Requirement
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.mission import Mission
+from stlc.solve.bounded import by_deadline
 from stlc.solve.deadline import Deadline, Stopwatch
 from stlc.solve.supervise import Supervisor
 from stlc.trajectories import Trajectories
@@ -91,6 +94,7 @@ class Oracle:
     open: int = 0  # how many were
     blamed: str | None = None  # the requirement that the last proof by intervals names
     stuck: str | None = None  # the agent that it leaves no state
+    together: tuple[Requirement, ...] = ()  # can hold beside each other, where no more is known
     _known: dict[Question, Verdict] = field(default_factory=dict)
     _runs: list[_Found] = field(default_factory=list)
     _first: float | None = None  # seconds of the first answer
@@ -129,6 +133,15 @@ class Oracle:
                 return (int(steps[0]), int(steps[-1])) if len(steps) else None
         return None
 
+    @contextmanager
+    def within(self, part: float, most: float = math.inf) -> Iterator[None]:
+        """Ask for a part (0..1) of the time that is left, and at most so many seconds."""
+        end, self.deadline = self.deadline, self.deadline.share(part, most)
+        try:
+            yield
+        finally:
+            self.deadline = end
+
     def rest(self) -> None:
         """Know the run of agents that do nothing, if it is one."""
         run = still(self.mission)
@@ -140,8 +153,8 @@ class Oracle:
         self._known.setdefault(Question(frozenset(pieces)), verdict)
 
     def compiled(self, question: Question) -> Compiled:
-        """The model of a question; raises as `compile_mission`."""
-        return compile_mission(self.part(question), self.options(question))
+        """The model of a question; raises as `made`."""
+        return self.made(self.part(question), self.options(question), self.deadline)
 
     def options(self, question: Question) -> CompileOptions:
         """How to compile a question."""
@@ -209,15 +222,18 @@ class Oracle:
         if self.deadline.over():
             return Verdict.UNKNOWN, None
         self.asked, watch, self.blamed = self.asked + 1, Stopwatch(), None
+        brief = self.brief()
         try:
-            compiled = compile_mission(mission, options)
+            compiled = self.made(mission, options, brief)
+            answer = self._run(compiled, brief)
         except InfeasibleError as error:
             if isinstance(error, Unreachable):
                 self.blamed = error.requirement.name.rpartition("#")[0]
             self.stuck = error.agent if isinstance(error, NoState) else None
             self._first = self._first or watch.seconds
             return Verdict.INFEASIBLE, None
-        answer = self._run(compiled)
+        except NoPlanError:
+            answer = None
         self._first = self._first or watch.seconds
         match None if answer is None else answer.status:
             case Status.INFEASIBLE:
@@ -229,14 +245,21 @@ class Oracle:
             case _:
                 return Verdict.UNKNOWN, None
 
+    def made(self, mission: Mission, options: CompileOptions, deadline: Deadline) -> Compiled:
+        """The model of a mission; raises as `compile_mission` and `by_deadline`."""
+        return by_deadline(
+            lambda stop: compile_mission(mission, replace(options, should_stop=stop)),
+            deadline, self.grace,
+        )  # fmt: skip
+
     def brief(self) -> Deadline:
         """How long a later question may take."""
         if self._first is None:
             return self.deadline
         return self.deadline.within(max(LEAST, PATIENCE * self._first))
 
-    def _run(self, compiled: Compiled) -> Solution | None:
-        backend, asked = backends.get(self.backend), self.brief().bind(SolveOptions(gap=1.0))
+    def _run(self, compiled: Compiled, deadline: Deadline) -> Solution | None:
+        backend, asked = backends.get(self.backend), deadline.bind(SolveOptions(gap=1.0))
         return Supervisor(partial(backend.solve, compiled.model), asked, self.grace).run()
 
     def _keep(self, question: Question, run: Trajectories) -> None:

@@ -34,7 +34,7 @@ from stlc.milp.preferences import lowered
 from stlc.milp.stage_rows import add_cuts, add_hulls
 from stlc.milp.unsolvable import check_controlled, check_magnitudes
 from stlc.mission import Mission
-from stlc.passes import PassStats, Program, run_pipeline
+from stlc.passes import PassStats, Program, never, run_pipeline, stop_if
 from stlc.trajectories import Trajectories
 
 
@@ -50,7 +50,8 @@ class CompileOptions:
     result goes to `show(name, text)`, "all" for every one. `max_size` bounds the parts of the
     model, as `analysis/sizes.py` counts them. `hopeful` lets a link predicate hold in a cell where
     it may at some point: no plan then means that no finer partition has one. `tables` are shared
-    with missions of the same channels and stations.
+    with missions of the same channels and stations. `should_stop` is asked between passes and
+    requirements.
     """
 
     stl: str = "auto"
@@ -61,6 +62,7 @@ class CompileOptions:
     max_size: int = MOST_PARTS
     hopeful: bool = False
     tables: TableMemo | None = None
+    should_stop: Callable[[], bool] = never
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,9 +115,9 @@ class Compiled:
 def compile_mission(mission: Mission, options: CompileOptions | None = None) -> Compiled:
     """Compile.
 
-    Raises InfeasibleError where the analysis proves that no run exists, UsageError for an unknown
-    option, MissionError (located) for recorded signals, for numbers that no solver can take and for
-    a model beyond `options.max_size`.
+    Raises InfeasibleError where the analysis proves that no run exists, InterruptedSolveError when
+    asked to stop, UsageError for an unknown option, MissionError (located) for recorded signals,
+    for numbers that no solver can take and for a model beyond `options.max_size`.
     """
     options = options or CompileOptions()
     began = time.perf_counter()
@@ -128,7 +130,7 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     mission, ranges = plain.mission, plain.ranges
     program = Program(mission.requirements, mission, ranges, tables)
     program, passes = run_pipeline(
-        program, options.disabled_passes, options.print_after, options.show
+        program, options.disabled_passes, options.print_after, options.show, options.should_stop
     )
     ctx = Context(mission, ModelBuilder(), program.ranges)
     ctx.layout.stand_ins = plain.stand_ins
@@ -174,6 +176,7 @@ def _add_requirements(
     )
     found = []
     for requirement in program.requirements:
+        stop_if(options.should_stop)
         ctx.builder.origin = Origin(f"require {requirement.name}", requirement.span)
         found.append(encoder.require(requirement, level_of(requirement, goals)))
     ctx.layout.encoded = tuple(found)

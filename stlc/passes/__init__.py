@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 
-from stlc.errors import UsageError
+from stlc.errors import InterruptedSolveError, UsageError
 from stlc.ir.printer import print_program
 from stlc.ir.rewrite import postorder
 from stlc.ir.verify import Stage, verify
@@ -25,7 +25,7 @@ from stlc.passes import (
 )
 from stlc.passes.base import Pass, Program
 
-__all__ = ["PIPELINE", "Pass", "PassStats", "Program", "run_pipeline"]
+__all__ = ["PIPELINE", "Pass", "PassStats", "Program", "never", "run_pipeline", "stop_if"]
 
 
 def _again(earlier: Pass, name: str, *after: str) -> Pass:
@@ -61,16 +61,29 @@ class PassStats:
     seconds: float
 
 
+def never() -> bool:
+    """Nobody asks to stop."""
+    return False
+
+
+def stop_if(should_stop: Callable[[], bool]) -> None:
+    """Raise InterruptedSolveError when somebody asks to stop."""
+    if should_stop():
+        raise InterruptedSolveError("interrupted before the model was made")
+
+
 def run_pipeline(
     program: Program,
     disabled: Collection[str] = (),
     print_after: Collection[str] = (),
     show: Callable[[str, str], None] = lambda name, text: None,
+    should_stop: Callable[[], bool] = never,
 ) -> tuple[Program, tuple[PassStats, ...]]:
     """Run every enabled pass in order, verifying after each.
 
     `show(name, text)` receives the program after each pass that `print_after` names ("all" for
-    every one). UsageError for an unknown pass, or for a lowering in `disabled`.
+    every one). UsageError for an unknown pass, or for a lowering in `disabled`;
+    InterruptedSolveError once `should_stop`, asked before each pass, says so.
     """
     _check_names(disabled, print_after)
     stats: list[PassStats] = []
@@ -79,6 +92,7 @@ def run_pipeline(
     for step in PIPELINE:
         if step.name in disabled:
             continue
+        stop_if(should_stop)
         began, before = time.perf_counter(), size
         program, stage = step.run(program), max(stage, step.stage)
         seconds = time.perf_counter() - began

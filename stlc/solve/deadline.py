@@ -40,9 +40,13 @@ class Deadline:
         """A time limit for a solver that starts now [s]."""
         return None if math.isinf(self.end) else max(self.left, _LEAST)
 
+    def passed(self) -> bool:
+        """Whether the moment has come."""
+        return self.left <= 0
+
     def over(self) -> bool:
         """Whether the moment has come or somebody asked to stop."""
-        return self.left <= 0 or (self.should_stop is not None and self.should_stop())
+        return self.passed() or (self.should_stop is not None and self.should_stop())
 
     def within(self, seconds: float) -> Deadline:
         """This deadline, or so many seconds from now if that is earlier."""

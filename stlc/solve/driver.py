@@ -8,6 +8,7 @@ our own disagreement (exit 70), never a plan.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from stlc import backends
@@ -16,6 +17,7 @@ from stlc.errors import (
     InfeasibleError,
 )
 from stlc.grids import shapes, text
+from stlc.solve.bounded import by_deadline
 from stlc.solve.deadline import Deadline, Stopwatch
 from stlc.solve.events import (
     Listener,
@@ -80,14 +82,18 @@ def _solve_on(
     mission: Mission, settings: SolveSettings, listen: Listener, deadline: Deadline
 ) -> Outcome:
     """Plan a mission on the grids that its channels have."""
+    from stlc.milp.compile import CompileOptions
     from stlc.milp.encodings import encoding_label
     from stlc.solve.blame import compile_or_blame
 
     backend = backends.get(settings.backend)
     require(backend)
-    compiling = Stopwatch()
+    compiling, options = Stopwatch(), settings.compile or CompileOptions()
     listen(StatusEvent("compile", mission.source.name))
-    compiled = compile_or_blame(mission, settings.compile)
+    compiled = by_deadline(
+        lambda stop: compile_or_blame(mission, replace(options, should_stop=stop)),
+        deadline, settings.grace,
+    )  # fmt: skip
     tell_warnings(compiled.warnings, listen)
     took = compiling.seconds
     label = encoding_label(settings.compile)

@@ -6,11 +6,12 @@ from dataclasses import replace
 
 from stlc import backends
 from stlc.backends.base import SolveOptions, Status
-from stlc.errors import InfeasibleError, MissionError, SolverError
+from stlc.errors import InfeasibleError, MissionError, NoPlanError, SolverError
 from stlc.grids import finer
 from stlc.ir.nodes import Link, walk
-from stlc.milp.compile import CompileOptions, compile_mission
+from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.mission import Mission
+from stlc.solve.bounded import by_deadline
 from stlc.solve.deadline import Deadline
 from stlc.solve.outcome import SolveSettings
 
@@ -31,12 +32,21 @@ def refined_if_cells(
     if not _may_hold(mission, settings, deadline.share(_SHARE, _SECONDS)):
         return None
     try:
-        compile_mission(refined, settings.compile)
-    except MissionError:
-        return None  # it would be too large: the coarse grid's answer stands, with its remedy
+        _compiled(refined, settings.compile or CompileOptions(), deadline, settings.grace)
+    except (MissionError, NoPlanError):
+        return None  # too large, or too late: the coarse grid's answer stands, with its remedy
     except InfeasibleError:
         return refined  # a still finer grid may do
     return refined
+
+
+def _compiled(
+    mission: Mission, options: CompileOptions, deadline: Deadline, grace: float | None
+) -> Compiled:
+    """The model, by a deadline; raises as `compile_mission` and `by_deadline`."""
+    return by_deadline(
+        lambda stop: compile_mission(mission, replace(options, should_stop=stop)), deadline, grace
+    )
 
 
 def _looks_at(mission: Mission) -> bool:
@@ -49,9 +59,10 @@ def _may_hold(mission: Mission, settings: SolveSettings, deadline: Deadline) -> 
     """Whether a plan is possible where links hold wherever they do at some point of a cell."""
     options = replace(settings.compile or CompileOptions(), hopeful=True)
     try:
-        compiled = compile_mission(replace(mission, objective=()), options)
+        bare = replace(mission, objective=())
+        compiled = _compiled(bare, options, deadline, settings.grace)
         asked = deadline.bind(SolveOptions(gap=1.0, threads=settings.threads))
         found = backends.get(settings.backend).solve(compiled.model, asked)
-    except (InfeasibleError, SolverError):
+    except (InfeasibleError, NoPlanError, SolverError):
         return False
     return found.status in (Status.OPTIMAL, Status.FEASIBLE)

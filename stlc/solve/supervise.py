@@ -11,39 +11,42 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from queue import Empty, SimpleQueue
+from typing import Generic, TypeVar
 
-from stlc.backends.base import Progress, Solution, SolveOptions
+from stlc.backends.base import Progress, SolveOptions
 from stlc.backends.quiet import aloud
 from stlc.solve.deadline import Deadline
+
+T = TypeVar("T")
 
 _POLL = 0.05  # s
 _NAME = "stlc-solve"
 
 
 @dataclass(frozen=True, slots=True)
-class _End:
+class _End(Generic[T]):
     """The work is over: an answer or what it raised."""
 
-    answer: Solution | None
+    answer: T | None
     error: BaseException | None
 
 
 @dataclass(slots=True)
-class Supervisor:
+class Supervisor(Generic[T]):
     """Runs `work(options)` for as long as it is wanted.
 
     `grace` [s] is granted after the time limit or a wish to stop; None waits for the solver.
     """
 
-    work: Callable[[SolveOptions], Solution]
+    work: Callable[[SolveOptions], T]
     options: SolveOptions
     grace: float | None = None
     stopped: bool = False  # somebody asked to stop
     _halt: threading.Event = field(default_factory=threading.Event)
-    _queue: SimpleQueue[Progress | _End] = field(default_factory=SimpleQueue)
+    _queue: SimpleQueue[Progress | _End[T]] = field(default_factory=SimpleQueue)
 
-    def run(self) -> Solution | None:
-        """The solution; None when the solver was left behind.
+    def run(self) -> T | None:
+        """The answer; None when the work was left behind.
 
         `options.on_progress` is called in this thread; of several reports that wait, those whose
         point is not the newest come without it. What `work` raises is raised here.
@@ -64,7 +67,7 @@ class Supervisor:
         except BaseException as error:  # raised again in the thread that waits
             self._queue.put(_End(None, error))
 
-    def _wait(self) -> Solution | None:
+    def _wait(self) -> T | None:
         """Deliver reports until the work answers, raises, or is left behind (None) after its
         grace."""
         deadline = Deadline.after(self.options.time_limit)
@@ -83,8 +86,8 @@ class Supervisor:
     def _asked(self) -> bool:
         return self.options.should_stop is not None and self.options.should_stop()
 
-    def _pending(self) -> list[Progress | _End]:
-        found: list[Progress | _End] = []
+    def _pending(self) -> list[Progress | _End[T]]:
+        found: list[Progress | _End[T]] = []
         try:
             found.append(self._queue.get(timeout=_POLL))
             while True:
@@ -92,7 +95,7 @@ class Supervisor:
         except Empty:
             return found
 
-    def _deliver(self, messages: list[Progress | _End]) -> _End | None:
+    def _deliver(self, messages: list[Progress | _End[T]]) -> _End[T] | None:
         reports = [m for m in messages if isinstance(m, Progress)]
         points = [r for r in reports if r.incumbent is not None]
         if self.options.on_progress is not None:

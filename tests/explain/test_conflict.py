@@ -8,11 +8,12 @@ from math import log10
 import pytest
 
 from stlc.api import loads
-from stlc.explain.conflict import Conflict, all_conflicts, begin, explain
+from stlc.explain.conflict import Conflict, all_conflicts, explain
 from stlc.explain.givens import Kind
 from stlc.explain.marco import clauses_of
 from stlc.explain.oracle import Oracle, Verdict
 from stlc.explain.shrink import minimal
+from stlc.explain.whole import begin
 from stlc.explain.words import clause, steps_of
 from stlc.ir.requirement import Requirement
 from stlc.mission import Mission

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -28,6 +29,7 @@ require sure: eventually[0, 8] P(rssi(b, base) >= -55 dBm) >= 0.9
 """
 
 
+@cache
 def changes(text: str) -> tuple[Change, ...]:
     mission = loads(text)
     found = explain(mission)
@@ -83,8 +85,51 @@ def test_a_coarse_partition_is_made_finer() -> None:
 
 def test_several_conflicts_are_ended_by_one_change_of_several_numbers() -> None:
     several = CONFLICT.replace("[7, 8] x", "[9, 10] x")
-    found = changes(several)
-    assert all(len(c.words) >= 2 for c in found)
+    lone, *found = changes(several)
+    assert lone.words == ("deadline of other 3 -> 8 (+5 steps), line 12",)  # visits left first
+    assert found
+    assert all(len(c.words) == 2 for c in found)
+
+
+THREE = """horizon 8
+workspace box [0, 12] x [0, 10]
+agent a : single_integrator { start (1, 1); control |u| <= 1 }
+agent b : single_integrator { start (1, 8); control |u| <= 1 }
+require far: eventually[0, 4] a.x >= 6 m
+require low: always b.y <= 7.5
+require close: always[6, 6] distance(a, b) <= 3 m
+require apart: always[6, 6] separation(a, b) >= 3.5 m
+"""
+
+
+def test_every_conflict_gets_its_step() -> None:
+    found = changes(THREE)
+    assert len(found) == 5
+    lines = [{r.span.line for r in c.replacements} for c in found]
+    assert all(6 in at or 4 in at for at in lines)  # low, or where b starts
+    assert all(at & {7, 8} for at in lines)
+    for change in found:
+        assert solve(loads(change.text)).report.ok
+        for step in change.steps:  # none is spare
+            left = [r for s in change.steps if s is not step for r in s.replacements]
+            assert is_infeasible(patched(THREE, left))
+    assert len({c.words for c in found}) == 5
+
+
+def test_one_number_may_end_several_conflicts() -> None:
+    """A goal that two deadlines come too early for; the goal, or the speed, will do alone."""
+    text = THREE[: THREE.index("require low")] + "require soon: eventually[0, 3] a.x + a.y >= 9 m\n"
+    found = changes(text)
+    assert min(len(c.steps) for c in found) == 1
+    assert any(len(c.steps) > 1 for c in found)
+
+
+def test_a_change_counts_from_the_number_in_the_file() -> None:
+    for change in changes(THREE):
+        for step in change.steps:
+            own = step.replacements[0]
+            moved = abs(float(own.new) - float(own.span.text))
+            assert step.cost == pytest.approx(step.knob.cost(0.0, moved))
 
 
 def test_a_copy_is_written_and_no_input(tmp_path: Path) -> None:

@@ -1,0 +1,113 @@
+"""Conflicts as a person reads them: a diagnostic at the clauses, notes at their partners."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from stlc.cli.common import GRACE, complain, show_diagnostics
+from stlc.diagnostics import Diagnostic, Note
+
+if TYPE_CHECKING:
+    from stlc.explain.conflict import Conflict
+    from stlc.mission import Bound, Mission
+
+_SHOWN = 12  # members of a conflict; one that time didn't suffice to cut down may have hundreds
+
+
+class ConflictingClauses(Diagnostic):
+    """No plan exists because these clauses cannot hold together.
+
+    Dynamics always hold. Of the requirements, and of the bounds, starts, workspace and partitions
+    named, those shown cannot all be satisfied by any run. Where the set is minimal, leaving out any
+    one of them makes the rest satisfiable: relax one (a later deadline, a larger region, a lower
+    threshold, a wider bound). `stlc explain FILE --fix` offers such changes.
+    """
+
+    code: ClassVar[str] = "E0801"
+    title: ClassVar[str] = "no plan exists: {what} cannot be satisfied{together}"
+    label: ClassVar[str] = "{first}"
+    help: ClassVar[str] = "{remedy}"
+    what: str
+    together: str
+    first: str
+    remedy: str
+
+
+def show_conflict(mission: Mission, backend: str, seconds: float, told: str) -> list[str]:
+    """Print what conflicts in a mission that is proven infeasible, as found within `seconds`.
+    Returns the names of its clauses.
+
+    `told` is what the person has read of the proof already.
+    """
+    from stlc.explain.conflict import Verdict, explain
+
+    result = explain(mission, backend=backend, time_limit=seconds, proven=True, grace=GRACE)
+    if isinstance(result, Verdict):
+        return []
+    show(result, told)
+    return [clause.name for clause in result.clauses]
+
+
+def show(conflict: Conflict, told: str = "") -> None:
+    """The clauses that conflict; without any, starts, dynamics and bounds rule out every run."""
+    if conflict.clauses:
+        return show_diagnostics([_diagnostic(conflict, told)])
+    known = "" if told and told in conflict.confirmation else f" ({conflict.confirmation})"
+    complain(
+        f"no requirement is to blame: starts, dynamics, bounds and workspace alone rule out "
+        f"every run{known}"
+    )
+
+
+def _remedy(several: bool, by_cells: Bound | None) -> str:
+    from stlc.solve.blame import remedy
+
+    if by_cells is not None:
+        return remedy(by_cells)
+    what = "one of them" if several else "it"
+    return f"relax {what}, or a bound named here; `stlc explain FILE --fix` offers changes"
+
+
+def _diagnostic(conflict: Conflict, told: str) -> Diagnostic:
+    """The conflict as a diagnostic at its first clause, the others as notes at theirs.
+
+    `told` is what was confirmed above already: it isn't said twice.
+    """
+    from stlc.explain.words import clause
+
+    clauses = list(zip(conflict.clauses, conflict.spans, strict=True))
+    several = len(clauses) > 1
+    first = clause(clauses[0][0])
+    return ConflictingClauses(
+        span=clauses[0][1],
+        what=f"these {len(clauses)} clauses" if several else f"`{clauses[0][0].name}`",
+        together=(" together" if several else "")
+        + (" cell by cell" if conflict.by_cells is not None else ""),
+        first=f"`{clauses[0][0].name}`: {first}" if several else f"{first} cannot hold",
+        remedy=_remedy(several, conflict.by_cells),
+        notes=tuple(_notes(conflict, told)),
+    )
+
+
+def _notes(conflict: Conflict, told: str) -> list[Note]:
+    """The cause, the other members, and what is known of the proof."""
+    from stlc.explain.words import clause, parts_of, said
+
+    rest = list(zip(conflict.clauses[1:], conflict.spans[1:], strict=True))
+    remarks = [Note(f"cause: {conflict.cause.text}")] if conflict.cause.text else []
+    remarks += [Note(f"with this: `{c.name}`, {clause(c)}", span) for c, span in rest[:_SHOWN]]
+    if len(rest) > _SHOWN:
+        remarks.append(Note(f"and {len(rest) - _SHOWN} clauses more, which `--json` lists"))
+    remarks += [
+        Note(f"of which this: `{said(part)}`", part.span)
+        for c in conflict.clauses[: _SHOWN + 1]
+        for part in parts_of(c)
+    ]
+    remarks += [Note(f"given this: {g}", g.span) for g in conflict.givens]
+    if conflict.by_cells is not None:
+        remarks.append(Note("the partition is the cause: points of its cells may have a plan"))
+    if not conflict.minimal:
+        remarks.append(Note("the set may not be minimal: some proofs hit the time limit"))
+    if not told or told not in conflict.confirmation:
+        remarks.append(Note(conflict.confirmation))
+    return remarks
