@@ -24,6 +24,7 @@ LEAVES = {
     "sense",
     "matrices",
     "sphere",
+    "version",
 }
 """Rooms that everything may use; they use one another only."""
 
@@ -65,6 +66,9 @@ MAY: Mapping[str, set[str]] = {
         "grids", "grammar", "ir", "mission", "plan", "verify", "plot", "explain",
     },
     "api": {"syntax", "sema", "mission", "milp", "plan", "verify", "solve", "simulate", "explain"},
+    "front": {
+        "api", "explain", "milp", "mission", "plan", "plot", "report", "solve", "syntax", "verify",
+    },
     "sweep": {"api", "mission", "plan", "plot", "solve"},
     "conformance": {"api", "milp", "backends", "solve"},
     "dialects": {"syntax", "grammar", "sema", "api"},

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from stlc import __version__
+from stlc.version import __version__
 
 # command -> module of stlc.cli that defines it, and its line in `stlc --help`, in that order
 _COMMANDS = {

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from typing import Any, Final
 from urllib.parse import quote
 
-from stlc import __version__
 from stlc.diagnostics import Diagnostic, Fix, Note
 from stlc.source import Span
+from stlc.version import __version__
 
 _SCHEMA: Final = "https://json.schemastore.org/sarif-2.1.0.json"
 

@@ -29,7 +29,7 @@ def _file(source: Source, needs: list[dict[str, Any]]) -> str:
     name = PurePath(source.name).name
     here = [(k, n) for k, n in enumerate(needs) if n["source"] == source.name]
     lines = []
-    for number, html in enumerate(_coloured(source.text), start=1):
+    for number, html in enumerate(coloured(source.text), start=1):
         mine = [(k, n) for k, n in here if n["lines"][0] <= number <= n["lines"][1]]
         lines.append(_line(html, mine))
     return f'<h2>{escape(name)}</h2>\n<ol class="code">{"".join(lines)}</ol>'
@@ -44,7 +44,7 @@ def _line(html: str, mine: list[tuple[int, dict[str, Any]]]) -> str:
     return f'<li class="{mood}" data-needs="{of}" tabindex="0"><code>{html}</code></li>'
 
 
-def _coloured(text: str) -> list[str]:
+def coloured(text: str) -> list[str]:
     """Lines of HTML, words in spans by what they are."""
     from stlc.grammar.pygments_lexer import StlLexer
 
