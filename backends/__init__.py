@@ -12,7 +12,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import cast
 
 from stlc.backends.base import Backend
-from stlc.errors import SolverError, UsageError
+from stlc.errors import SolverError, UsageError, hinted
 
 _BUILT_IN = {
     "highs": "highs:Highs",
@@ -51,12 +51,7 @@ def get(name: str) -> Backend:
 
 
 def _unknown(name: str) -> UsageError:
-    from difflib import get_close_matches
-
-    known = names()
-    near = get_close_matches(name, known, 1)
-    hint = f"did you mean '{near[0]}'? known" if near else "known"
-    return UsageError(f"there is no backend '{name}'; {hint}: {', '.join(known)}")
+    return UsageError(f"there is no backend '{name}'; {hinted(name, names())}")
 
 
 def _external_name(template: str) -> str:

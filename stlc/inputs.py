@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import select
 import stat
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -15,6 +16,9 @@ from stlc.errors import UsageError
 
 MOST_BYTES = 256 * 2**20
 """Of any input. Measured channels of 10^6 samples take 60 MB."""
+
+STANDARD = "-"
+"""The name of standard input."""
 
 _PATIENCE = 10.0  # s without a byte from a pipe: nobody writes to it
 _CHUNK = 1 << 20
@@ -35,11 +39,14 @@ class TooLargeError(InputError):
 def read_input(
     path: str | os.PathLike[str], most: int = MOST_BYTES, regular: bool = False
 ) -> bytes:
-    """Content of a file of at most `most` bytes, or of what comes through a pipe.
+    """Content of a file of at most `most` bytes, or of what comes through a pipe; `-` is standard
+    input, as often as it is asked for.
 
     Raises InputError within seconds for what is missing, unreadable, a folder, endless, too large
     or a pipe that nobody writes to; with `regular`, for all that is no ordinary file.
     """
+    if os.fspath(path) == STANDARD:
+        return _standard(most)
     try:
         descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
     except FileNotFoundError:
@@ -55,6 +62,19 @@ def read_input(
         raise InputError(_text(error)) from None
     finally:
         os.close(descriptor)
+
+
+def _standard(most: int) -> bytes:
+    """Standard input, read once within `recorded_inputs`."""
+    kept = _STANDARD.get()
+    if kept:
+        return kept[0]
+    data = b"" if sys.stdin is None else sys.stdin.buffer.read(most + 1)
+    if len(data) > most:
+        raise TooLargeError(len(data), most)
+    if kept is not None:
+        kept.append(data)
+    return data
 
 
 def _check(kind: os.stat_result, most: int, regular: bool) -> None:
@@ -102,17 +122,19 @@ def _text(error: OSError | ValueError) -> str:
     return (error.strerror or str(error)) if isinstance(error, OSError) else str(error)
 
 
+_STANDARD: ContextVar[list[bytes] | None] = ContextVar("standard", default=None)
 _KNOWN: ContextVar[dict[tuple[int, int], str] | None] = ContextVar("inputs", default=None)
 
 
 @contextmanager
 def recorded_inputs() -> Iterator[None]:
     """Within the block, no output may take the place of a file that was read."""
-    token = _KNOWN.set({})
+    token, standard = _KNOWN.set({}), _STANDARD.set([])
     try:
         yield
     finally:
         _KNOWN.reset(token)
+        _STANDARD.reset(standard)
 
 
 def inputs_so_far() -> tuple[str, ...]:

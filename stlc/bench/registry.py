@@ -6,7 +6,7 @@ import runpy
 from pathlib import Path
 
 from stlc.bench.problem import Problem, Suite
-from stlc.errors import UsageError
+from stlc.errors import UsageError, hinted
 
 _FILE = "registry.py"
 
@@ -38,7 +38,7 @@ def chosen_suites(suites: dict[str, Suite], names: tuple[str, ...]) -> tuple[Sui
     """The suites of these names, all if none; UsageError for an unknown one."""
     for name in names:
         if name not in suites:
-            raise UsageError(f"there is no suite '{name}'; known: {', '.join(suites)}")
+            raise UsageError(f"there is no suite '{name}'; {hinted(name, suites)}")
     return tuple(suites[name] for name in dict.fromkeys(names or suites))
 
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import importlib
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from stlc.version import __version__
+
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
 
 # command -> module of stlc.cli that defines it, and its line in `stlc --help`, in that order
 _COMMANDS = {
@@ -29,6 +32,7 @@ _COMMANDS = {
     "bench": ("bench", "Benchmark encodings and backends."),
     "backends": ("listing", "List the solvers and what they can do."),
     "encodings": ("listing", "List the encodings of formulas and link tables."),
+    "completion": ("completion", "Complete commands, options, solvers and files in a shell."),
 }
 
 
@@ -54,6 +58,15 @@ class _LazyGroup(click.Group):
         if not near:
             return super().resolve_command(ctx, args)
         raise click.UsageError(f"No such command {name!r}; did you mean {near[0]!r}?", ctx)
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        from click.shell_completion import CompletionItem
+
+        found = [n for n in _COMMANDS if n.startswith(incomplete)]
+        return [
+            *(CompletionItem(name, help=_COMMANDS[name][1]) for name in found),
+            *click.Command.shell_complete(self, ctx, incomplete),
+        ]
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):

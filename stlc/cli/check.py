@@ -3,40 +3,76 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from stlc.api import load
-from stlc.cli.common import Style, mission_options, parse_defines, show_diagnostics
+from stlc.cli.common import Style, complain, parse_defines, reading_options, show_diagnostics
 from stlc.errors import MissionError, UsageError
+
+if TYPE_CHECKING:
+    from stlc.diagnostics import Diagnostic
 
 _FORMATS = click.Choice(["text", "json", "sarif", "github"])
 
 
 @click.command("check")
-@mission_options
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@reading_options
 @click.option("--format", "style", type=_FORMATS, default="text", show_default=True,
               help="How the mistakes are shown.")  # fmt: skip
 @click.option("--explain", "code", is_flag=True, help="FILE is a code such as E0201: tell more.")
 def check_command(
-    file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...], style: Style, code: bool
+    files: tuple[Path, ...],
+    define: tuple[str, ...],
+    allow_path: tuple[Path, ...],
+    style: Style,
+    code: bool,
 ) -> int:
-    """Check FILE: every mistake with its place, reason and remedy. Exit 1 if there is any."""
-    if code:
-        click.echo(_explanation(str(file)))
-        return 0
+    """Check FILES: every mistake with its place, reason and remedy. Exit 1 if there is any.
 
+    `-` is standard input. A file that can't be read is told, the others are checked all the same,
+    and the exit status is 2.
+    """
+    if code:
+        click.echo("\n\n".join(_explanation(str(file)) for file in files))
+        return 0
+    found: list[Diagnostic] = []
+    statuses = [_check(file, parse_defines(define), allow_path, style, found) for file in files]
+    if style != "text":
+        show_diagnostics(found, style)
+    return max(statuses)
+
+
+def _check(
+    file: Path,
+    params: Mapping[str, str],
+    allow_path: tuple[Path, ...],
+    style: Style,
+    found: list[Diagnostic],
+) -> int:
+    """The exit status of one file; its diagnostics are shown, or kept in `found` for machines."""
+    summary, status = "", 0
+    mistakes: tuple[Diagnostic, ...]
     try:
-        mission = load(file, params=parse_defines(define), allow_paths=allow_path)
+        mission = load(file, params=params, allow_paths=allow_path)
+        summary, mistakes = f"{file}: {mission.summary()}", mission.warnings
     except MissionError as error:
-        show_diagnostics(error.diagnostics, style)
+        status, mistakes = error.exit_status, error.diagnostics
+    except UsageError as error:
+        complain(str(error))
         return error.exit_status
-    if mission.warnings or style != "text":
-        show_diagnostics(mission.warnings, style)
-    if style == "text":
-        click.echo(f"{file}: {mission.summary()}")
-    return 0
+    if style != "text":
+        found.extend(mistakes)
+        return status
+    if mistakes:
+        show_diagnostics(mistakes)
+    if summary:
+        click.echo(summary)
+    return status
 
 
 def _explanation(code: str) -> str:
@@ -78,8 +114,9 @@ def _open(template: str) -> str:
 @click.option("--check", is_flag=True, help="Change nothing; exit 1 if a file would change.")
 @click.option("--stdout", is_flag=True, help="Print instead of rewriting.")
 def fmt_command(files: tuple[Path, ...], check: bool, stdout: bool) -> int:
-    """Lay out FILES in the one style; comments and meaning stay."""
+    """Lay out FILES in the one style; comments and meaning stay. `-` goes to standard output."""
     from stlc.files import write_atomic
+    from stlc.inputs import STANDARD
     from stlc.syntax.parse import parse
     from stlc.syntax.printer import format_file
     from stlc.syntax.read import read_source
@@ -92,7 +129,7 @@ def fmt_command(files: tuple[Path, ...], check: bool, stdout: bool) -> int:
         if errors:
             raise MissionError(errors)
         text = format_file(result.file)
-        if stdout:
+        if stdout or str(path) == STANDARD:
             click.echo(text, nl=False)
         elif text != source.text:
             changed.append(path)

@@ -35,6 +35,8 @@ def run_guarded(command: click.Command) -> int:
     with one_answer(), recorded_inputs():
         try:
             result = command.main(standalone_mode=False, prog_name="stlc")
+        except SystemExit as ended:  # after completing for a shell
+            return int(ended.code or 0)
         except (Exception, KeyboardInterrupt) as error:
             status = _told(error)
             with suppress(OutputError):  # what is wrong with standard output was told
@@ -103,9 +105,13 @@ _Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
 
 def mission_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """`FILE`, `-D name=value`, `--allow-path DIR`."""
+    """`FILE` (`-` is standard input), `-D name=value`, `--allow-path DIR`."""
+    return click.argument("file", type=click.Path(path_type=Path))(reading_options(command))
+
+
+def reading_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """`-D name=value`, `--allow-path DIR`."""
     decorators: list[_Decorator] = [
-        click.argument("file", type=click.Path(path_type=Path)),
         click.option(
             "-D", "define", multiple=True, metavar="NAME=VALUE", help="Set a `param` of the file."
         ),

@@ -10,6 +10,7 @@ import click
 
 from stlc.cli.answer import answer
 from stlc.cli.common import check_outputs, compiled_model, load, mission_options
+from stlc.cli.completion import encoding_option
 
 if TYPE_CHECKING:
     from stlc.milp.model import Model
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     type=click.Path(path_type=Path),
     help="The model, by its ending: .lp, .mps, .lp.gz or .mps.gz.",
 )
-@click.option("--encoding", default="auto", show_default=True, help="See `stlc encodings`.")
+@encoding_option
 @click.option(
     "--max-size", type=click.IntRange(1), metavar="PARTS", help="Build models up to this size."
 )

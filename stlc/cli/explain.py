@@ -17,6 +17,7 @@ from stlc.cli.common import (
     mission_options,
     parse_defines,
 )
+from stlc.cli.completion import backend_option
 from stlc.errors import InfeasibleError, NoPlanError, ViolationError
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ _EXPLAINING = 0.5  # part of the time, where changes are looked for afterwards
 @click.command("explain")
 @mission_options
 @click.argument("plan", type=click.Path(path_type=Path), required=False)
-@click.option("--backend", default="highs", show_default=True, help="See `stlc backends`.")
+@backend_option
 @click.option("--time-limit", type=click.FloatRange(min=0), default=60.0, show_default=True,
               metavar="S", help="Seconds for all solves together.")  # fmt: skip
 @click.option("--all", "every", is_flag=True, help="Every minimal conflict, not one.")

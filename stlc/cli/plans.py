@@ -9,6 +9,7 @@ import click
 
 from stlc.cli.answer import answer
 from stlc.cli.common import check_outputs, compiled_model, load, mission_options
+from stlc.cli.completion import offer_encodings
 from stlc.errors import ViolationError
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ def plot_command(
 @click.command("read-solution")
 @mission_options
 @click.argument("solution", type=click.Path(path_type=Path))
-@click.option("--encoding", help="As given to `compile`.")
+@click.option("--encoding", shell_complete=offer_encodings, help="As given to `compile`.")
 @click.option("--disable", multiple=True, metavar="PASS", help="As given to `compile`.")
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="The plan (JSON).")
 def read_solution_command(

@@ -1,9 +1,10 @@
-"""How `stlc solve` shows long work: one live line at a terminal, NDJSON elsewhere."""
+"""How `stlc solve` shows long work: one live line at a terminal, plain lines elsewhere, NDJSON."""
 
 from __future__ import annotations
 
 import shutil
 import sys
+from dataclasses import dataclass
 
 import click
 
@@ -23,15 +24,20 @@ from stlc.solve.events import (
 _CLEAR = "\r\x1b[K"
 
 
+EVERY = 10.0  # s between lines of progress in a log: an hour's solve is a few pages
+
+
 def listener(style: str) -> Listener:
-    """`auto`, `line`, `ndjson` or `none`; everything goes to standard error.
+    """`auto`, `line`, `text`, `ndjson` or `none`; everything goes to standard error.
 
     With STLC_DEBUG it is NDJSON, whatever was asked: a log of every event.
     """
     if debugging():
         return _ndjson
     if style == "auto":
-        style = "line" if sys.stderr.isatty() else "ndjson"
+        style = "line" if sys.stderr.isatty() else "text"
+    if style == "text":
+        return _Log()
     return {"line": _line, "ndjson": _ndjson, "none": ignore}[style]
 
 
@@ -41,25 +47,47 @@ def _ndjson(event: Event, /) -> None:
 
 def _line(event: Event, /) -> None:
     """Shows an event on one line of the terminal, which the next event writes over."""
+    if isinstance(event, DiagnosticEvent):
+        click.echo(_CLEAR + _text(event), err=True)
+        return
+    width = shutil.get_terminal_size().columns - 1
+    last = isinstance(event, StatusEvent) and event.stage in ("done", "explain", "stop")
+    click.echo(
+        _CLEAR + _text(event)[:width], err=True, nl=last or isinstance(event, StatisticsEvent)
+    )
+
+
+@dataclass(slots=True)
+class _Log:
+    """A line for each event, of the solver's progress one in `EVERY` seconds."""
+
+    told: float = 0.0
+
+    def __call__(self, event: Event, /) -> None:
+        if isinstance(event, ProgressEvent):
+            if event.seconds < self.told + EVERY:
+                return
+            self.told = event.seconds
+        click.echo(_text(event), err=True)
+
+
+def _text(event: Event) -> str:
+    """An event in a line for people."""
     match event:
         case ProgressEvent():
-            text = _progress_text(event)
+            return _progress_text(event)
         case SolutionEvent():
             where = f" -> {event.path}" if event.path else ""
-            text = f"{event.seconds:6.1f} s  certified plan, objective {event.objective:.6g}{where}"
+            return f"{event.seconds:6.1f} s  certified plan, objective {event.objective:.6g}{where}"
         case StatusEvent():
-            text = f"{event.stage}: {event.message}"
+            return f"{event.stage}: {event.message}"
         case StatisticsEvent():
-            text = (
+            return (
                 f"{event.columns} columns ({event.binaries} binary), {event.rows} rows, "
                 f"{event.nonzeros} nonzeros, encoding {event.encoding}"
             )
         case DiagnosticEvent():
-            click.echo(f"{_CLEAR}{event.severity}: {event.message}", err=True)
-            return
-    width = shutil.get_terminal_size().columns - 1
-    last = isinstance(event, StatusEvent) and event.stage in ("done", "explain", "stop")
-    click.echo(_CLEAR + text[:width], err=True, nl=last or isinstance(event, StatisticsEvent))
+            return f"{event.severity}: {event.message}"
 
 
 def _progress_text(event: ProgressEvent) -> str:

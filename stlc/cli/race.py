@@ -62,8 +62,8 @@ class _Words:
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @click.option("--progress", "style", default="auto", show_default=True,
-              type=click.Choice(["auto", "line", "ndjson", "none"]),
-              help="`auto`: a line at a terminal, else one JSON object a line.")  # fmt: skip
+              type=click.Choice(["auto", "line", "text", "ndjson", "none"]),
+              help="`auto`: a live line at a terminal, else lines of text.")  # fmt: skip
 def race_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...],
                  **words: Any) -> int:  # fmt: skip
     """Solve FILE with several solvers and encodings at once; the first certified proof wins."""

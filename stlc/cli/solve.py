@@ -20,6 +20,7 @@ from stlc.cli.common import (
     plain,
     solver_options,
 )
+from stlc.cli.completion import backend_option, encoding_option, offer_strategies
 from stlc.cli.interrupt import interruptible
 from stlc.cli.progress import listener
 from stlc.errors import InfeasibleError, SolverError
@@ -73,13 +74,14 @@ def _metres(context: click.Context, parameter: click.Parameter, value: str) -> f
 
 @click.command("solve")
 @mission_options
-@click.option("--backend", default="highs", show_default=True, help="See `stlc backends`.")
-@click.option("--encoding", default="auto", show_default=True, help="See `stlc encodings`.")
+@backend_option
+@encoding_option
 @click.option(
     "--max-size", type=click.IntRange(1), metavar="PARTS", help="Build models up to this size."
 )
 @click.option("--disable", multiple=True, metavar="PASS", help="Leave a pass out (ablation).")
 @click.option("--strategy", default="auto", show_default=True, metavar="NAME",
+              shell_complete=offer_strategies,
               help="`milp`: one plain solve; another's name: it, then `milp`.")  # fmt: skip
 @click.option("--time-limit", type=click.FloatRange(min=0), metavar="S",
               help="Seconds for the solver; the best plan so far stands.")  # fmt: skip
@@ -104,8 +106,8 @@ def _metres(context: click.Context, parameter: click.Parameter, value: str) -> f
 @click.option("--csv", "csv_path", type=click.Path(path_type=Path), help="Waypoints as CSV.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @click.option("--progress", "style", default="auto", show_default=True,
-              type=click.Choice(["auto", "line", "ndjson", "none"]),
-              help="`auto`: a line at a terminal, else one JSON object a line.")  # fmt: skip
+              type=click.Choice(["auto", "line", "text", "ndjson", "none"]),
+              help="`auto`: a live line at a terminal, else lines of text.")  # fmt: skip
 def solve_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...],
                   **words: Any) -> int:  # fmt: skip
     """Plan the mission in FILE; the plan is certified and verified before anybody sees it."""

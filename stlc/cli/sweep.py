@@ -11,6 +11,7 @@ import click
 
 from stlc.cli.answer import answer
 from stlc.cli.common import check_outputs
+from stlc.cli.completion import backend_option
 from stlc.cli.interrupt import INTERRUPTED, interruptible
 
 if TYPE_CHECKING:
@@ -53,7 +54,7 @@ class _Words:
               help="The trade-off of two costs, such as effort,link_cost(radio).")  # fmt: skip
 @click.option("--points", type=click.IntRange(2, 1000), default=9, show_default=True,
               help="Of each trade-off curve, its ends included.")  # fmt: skip
-@click.option("--backend", default="highs", show_default=True, help="See `stlc backends`.")
+@backend_option
 @click.option("--time-limit", type=click.FloatRange(min=0, min_open=True), metavar="S",
               help="Seconds for each solve; the best plan so far counts.")  # fmt: skip
 @click.option("--gap", type=click.FloatRange(min=0), default=1e-4, show_default=True,

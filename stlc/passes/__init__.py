@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 
-from stlc.errors import InterruptedSolveError, UsageError
+from stlc.errors import InterruptedSolveError, UsageError, hinted
 from stlc.ir.printer import print_program
 from stlc.ir.rewrite import postorder
 from stlc.ir.verify import Stage, verify
@@ -107,7 +107,7 @@ def _check_names(disabled: Collection[str], print_after: Collection[str]) -> Non
     known = [p.name for p in PIPELINE]
     for name in [*disabled, *(p for p in print_after if p != "all")]:
         if name not in known:
-            raise UsageError(f"there is no pass '{name}'; known: {', '.join(known)}")
+            raise UsageError(f"there is no pass '{name}'; {hinted(name, known)}")
     for step in PIPELINE:
         if step.lowering and step.name in disabled:
             raise UsageError(f"the pass '{step.name}' is a lowering and cannot be switched off")

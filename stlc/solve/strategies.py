@@ -23,7 +23,7 @@ from dataclasses import replace
 from importlib.metadata import entry_points
 
 from stlc.backends.base import Backend, Capability, Solution, SolveOptions, Status
-from stlc.errors import UsageError
+from stlc.errors import UsageError, hinted
 from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
 from stlc.solve import tuning
@@ -74,8 +74,8 @@ def strategies_named(name: str) -> tuple[Strategy, ...]:
         return every
     chosen = tuple(s for s in every if s.name == name)
     if not chosen:
-        known = ", ".join(["auto", *(s.name for s in every)])
-        raise UsageError(f"no strategy is called '{name}'; there are: {known}")
+        known = ["auto", *(s.name for s in every)]
+        raise UsageError(f"no strategy is called '{name}'; {hinted(name, known)}")
     return chosen if chosen[0] is MILP else (*chosen, MILP)
 
 

@@ -7,7 +7,7 @@ from typing import Final
 
 from stlc.diagnostics import Diagnostic
 from stlc.errors import MissionError, UsageError
-from stlc.inputs import InputError, TooLargeError, read_input
+from stlc.inputs import STANDARD, InputError, TooLargeError, read_input
 from stlc.source import Source
 from stlc.syntax.errors import NotText, TooLarge
 from stlc.syntax.screen import MAX_FILE
@@ -19,12 +19,12 @@ _MESH_ADVICE: Final = "stlc reads missions; a mesh of a site can be given as pol
 
 
 def read_source(path: str | PathLike[str]) -> Source:
-    """The text of a mission file, its name as given.
+    """The text of a mission file, its name as given; `-` is standard input.
 
     Raises UsageError if the file can't be opened, MissionError if it isn't UTF-8 text of a
     reasonable size.
     """
-    name = str(path)
+    name = "<stdin>" if str(path) == STANDARD else str(path)
     try:
         data = read_input(path, 4 * MAX_FILE)
     except TooLargeError as error:

@@ -78,7 +78,7 @@ def test_a_mission_that_motion_alone_rules_out(tmp_path: Path) -> None:
 WRONG = {
     "a missing file": (("solve", "none.stl"), 2, "none.stl"),
     "an unknown backend": (("solve", "m.stl", "--backend", "higs"), 2, "did you mean 'highs'"),
-    "an unknown encoding": (("solve", "m.stl", "--encoding", "best"), 2, "there are: auto"),
+    "an unknown encoding": (("solve", "m.stl", "--encoding", "best"), 2, "known: auto"),
     "an unknown pass": (("solve", "m.stl", "--disable", "magic"), 2, "no pass 'magic'"),
     "a solver that is not there": (
         ("solve", "m.stl", "--backend", "external-cplex"), 5, "'cplex' is not on PATH",
@@ -169,7 +169,7 @@ def test_starts(backend: str, folder: Path) -> None:
     """A start is in hand, verified and saved before the solver says anything."""
     assert stlc("solve", "m.stl", "-o", "p.json", folder=folder).returncode == 0
     words = ("solve", "m.stl", "--start", "p.json", "--backend", backend, "--strategy", "milp")
-    done = stlc(*words, "-o", "q.json", "--json", folder=folder)
+    done = stlc(*words, "-o", "q.json", "--json", "--progress", "ndjson", folder=folder)
     assert done.returncode == 0, done.stderr
     events = [json.loads(line) for line in done.stderr.splitlines()]
     first = next(e for e in events if e["event"] in ("solution", "progress"))
@@ -185,6 +185,7 @@ def test_a_shifted_start(folder: Path) -> None:
     text = MISSION.replace("start (1, 1)", "start ({}, {}, {}, {})".format(*later))
     (folder / "later.stl").write_text(text)
     words = ("solve", "later.stl", "--start", "p.json", "--shift", "1", "-o", "q.json")
+    words += ("--progress", "ndjson")
     done = stlc(*words, folder=folder)
     assert done.returncode == 0, done.stderr
     assert "no plan for this mission" not in done.stderr

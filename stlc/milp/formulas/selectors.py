@@ -26,7 +26,7 @@ from typing import Protocol
 import numpy as np
 
 from stlc.arrays import Ints
-from stlc.errors import UsageError
+from stlc.errors import UsageError, hinted
 from stlc.ir.nodes import Linear
 from stlc.milp.builder import ModelBuilder
 from stlc.milp.formulas.choice import Faces
@@ -143,5 +143,5 @@ def selector_named(name: str) -> FormulaEncoding | None:
         if getattr(loaded, "kind", "link") == "stl":
             own: FormulaEncoding = loaded
             return own
-    known = ", ".join(["auto", *SELECTORS])
-    raise UsageError(f"no formula encoding is called '{name}'; there are: {known}")
+    known = ["auto", *SELECTORS]
+    raise UsageError(f"no formula encoding is called '{name}'; {hinted(name, known)}")

@@ -8,7 +8,7 @@ from importlib.metadata import entry_points
 from math import prod
 from types import MappingProxyType
 
-from stlc.errors import UsageError
+from stlc.errors import UsageError, hinted
 from stlc.milp.context import Context
 from stlc.milp.tables.encoding import Encoding
 from stlc.milp.tables.hull import Hull
@@ -54,8 +54,8 @@ def encoding_named(name: str) -> Encoding:
         return ENCODINGS[name]
     offered = {e.name: e for e in entry_points(group=ENTRY_POINTS)}
     if name not in offered:
-        known = ", ".join(["auto", *ENCODINGS, *sorted(offered)])
-        raise UsageError(f"no table encoding is called '{name}'; there are: {known}")
+        known = ["auto", *ENCODINGS, *sorted(offered)]
+        raise UsageError(f"no table encoding is called '{name}'; {hinted(name, known)}")
     loaded: Encoding = offered[name].load()
     return loaded
 

@@ -170,7 +170,7 @@ def test_other_packages_offer_encodings(monkeypatch: pytest.MonkeyPatch) -> None
     entry = EntryPoint("mine", "stlc.milp.tables.hull:Hull", registry.ENTRY_POINTS)
     monkeypatch.setattr(registry, "entry_points", lambda group: [entry])
     assert registry.encoding_named("mine") is entry.load()
-    with pytest.raises(UsageError, match=r"'nonesuch'; there are: auto, unary, .*, mine"):
+    with pytest.raises(UsageError, match=r"'nonesuch'; known: auto, unary, .*, mine"):
         registry.encoding_named("nonesuch")
 
 

@@ -1,0 +1,169 @@
+"""Completion, standard input, several files, progress as text, 'did you mean'."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from support.command import MISSION, command, inside, stlc
+
+from stlc.cli import _COMMANDS
+from stlc.cli.progress import EVERY, listener
+from stlc.solve.events import ProgressEvent, SolutionEvent, StatusEvent
+
+WRONG = "agent r : double_integrator { start (0, 0) }\nrequire a: always r.x >= 3 dB\n"
+
+
+def offered(words: str, at: int, folder: Path) -> list[str]:
+    env = {"COMP_WORDS": words, "COMP_CWORD": str(at), "_STLC_COMPLETE": "bash_complete"}
+    done = stlc(folder=folder, env=env)
+    assert (done.returncode, done.stderr) == (0, "")
+    return [line.split(",", 1)[1] for line in done.stdout.splitlines()]
+
+
+def test_commands_options_and_names_are_completed(tmp_path):
+    assert offered("stlc so", 1, tmp_path) == ["solve"]
+    assert "--time-limit" in offered("stlc solve --t", 2, tmp_path)
+    assert offered("stlc solve m.stl --backend hi", 4, tmp_path) == ["highs"]
+    assert offered("stlc solve m.stl --encoding stl=un", 4, tmp_path) == ["stl=unary"]
+    assert "milp" in offered("stlc solve m.stl --strategy m", 4, tmp_path)
+    assert offered("stlc completion z", 2, tmp_path) == ["zsh"]
+    assert offered("stlc solve m.stl --progress nd", 4, tmp_path) == ["ndjson"]
+
+
+def test_every_command_is_offered(tmp_path):
+    assert set(_COMMANDS) <= set(offered("stlc ", 1, tmp_path))
+
+
+def test_a_shell_takes_the_script(tmp_path):
+    bash = shutil.which("bash")
+    assert bash is not None
+    (tmp_path / "mission.stl").write_text(MISSION)
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "bin" / "stlc").write_text(
+        f"#!{bash}\nexec {sys.executable} -c 'from stlc.cli import main; main()' \"$@\"\n"
+    )
+    (tmp_path / "bin" / "stlc").chmod(0o755)
+    script = inside("completion", "bash", folder=tmp_path).stdout
+    ask = (
+        "\nCOMP_WORDS=(stlc solve m); COMP_CWORD=2; _stlc_completion stlc m solve\n"
+        'printf "%s\\n" "${COMPREPLY[@]}"\n'
+        "compopt() { :; }; COMP_WORDS=(stlc expl); COMP_CWORD=1; _stlc_completion stlc expl stlc\n"
+        'printf "%s\\n" "${COMPREPLY[@]}"\n'
+    )
+    env = {**os.environ, "PATH": f"{tmp_path / 'bin'}{os.pathsep}{os.environ['PATH']}"}
+    done = subprocess.run([bash, "-c", script + ask], cwd=tmp_path, env=env, capture_output=True,
+                          text=True, check=False, timeout=60)  # fmt: skip
+    assert "explain" in done.stdout.split()
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_every_shell_has_a_script(shell, tmp_path):
+    done = inside("completion", shell, folder=tmp_path)
+    assert done.returncode == 0
+    assert f"_STLC_COMPLETE={shell}_complete" in done.stdout
+    assert inside("completion", "cmd", folder=tmp_path).returncode == 2
+
+
+def piped(text: str, *words: object, folder: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(command(*words), cwd=folder, input=text, capture_output=True, text=True,
+                          timeout=120, check=False)  # fmt: skip
+
+
+def test_a_mission_comes_by_standard_input(tmp_path):
+    done = piped(MISSION, "check", "-", folder=tmp_path)
+    assert (done.returncode, done.stdout) == (0, "-: 1 agent, 2 requirements, 4 steps of 1 s\n")
+    wrong = piped(WRONG, "check", "-", folder=tmp_path)
+    assert wrong.returncode == 1
+    assert "<stdin>:2:" in wrong.stderr
+    solved = piped(MISSION, "solve", "-", "-o", "p.json", "--progress", "none", folder=tmp_path)
+    assert solved.returncode == 0
+    told = piped(MISSION, "verify", "-", "p.json", folder=tmp_path)
+    assert told.returncode == 0
+    assert "satisfies" in told.stdout
+
+
+def test_standard_input_is_read_once_and_asked_for_often(tmp_path, monkeypatch):
+    text = "param v = 1 m\n" + MISSION
+    (tmp_path / "m.stl").write_text(text)
+    words = ("solve", "m.stl", "-D", "v=2", "-o", "p.json", "--progress", "none")
+    assert inside(*words, folder=tmp_path).returncode == 0
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(text.encode())))
+    # the parameters of the plan are those of the text it was made of, which is read for them first
+    assert inside("verify", "-", "p.json", folder=tmp_path).returncode == 0
+
+
+def test_a_plan_comes_by_standard_input(tmp_path):
+    (tmp_path / "m.stl").write_text(MISSION)
+    inside("solve", "m.stl", "-o", "p.json", "--progress", "none", folder=tmp_path)
+    plan = (tmp_path / "p.json").read_text()
+    assert piped(plan, "verify", "m.stl", "-", folder=tmp_path).returncode == 0
+
+
+def test_fmt_of_standard_input_goes_to_standard_output(tmp_path):
+    done = piped("require   a : x>=1", "fmt", "-", folder=tmp_path)
+    assert (done.returncode, done.stdout) == (0, "require a: x >= 1\n")
+
+
+def test_check_takes_several_files(tmp_path):
+    (tmp_path / "a.stl").write_text(MISSION)
+    (tmp_path / "b.stl").write_text(WRONG)
+    done = inside("check", "a.stl", "b.stl", "a.stl", folder=tmp_path)
+    assert done.returncode == 1
+    assert done.stdout.count("a.stl: 1 agent") == 2
+    assert "b.stl:2:" in done.stderr
+    missing = inside("check", "none.stl", "b.stl", "a.stl", folder=tmp_path)
+    assert missing.returncode == 2
+    assert "none.stl" in missing.stderr
+    assert "b.stl:2:" in missing.stderr
+    machine = inside("check", "--format", "json", "b.stl", "b.stl", "a.stl", folder=tmp_path)
+    found = json.loads(machine.stdout)["diagnostics"]
+    assert [d["code"] for d in found].count("E0303") == 2
+
+
+def test_progress_without_a_terminal_is_text_unless_asked_for(tmp_path):
+    (tmp_path / "m.stl").write_text(MISSION)
+    done = stlc("solve", "m.stl", folder=tmp_path)
+    assert done.returncode == 0
+    assert done.stderr.startswith("compile: m.stl\n")
+    assert "{" not in done.stderr
+    assert "\x1b" not in done.stderr
+    asked = stlc("solve", "m.stl", "--progress", "ndjson", folder=tmp_path)
+    assert all(json.loads(line) for line in asked.stderr.splitlines())
+
+
+def test_a_log_has_one_line_of_progress_in_a_while(capsys):
+    tell = listener("text")
+    for second in range(31):
+        tell(ProgressEvent(float(second), 3.0, 2.0, 0.5, None))
+    tell(SolutionEvent(31.0, 2.5, "p.json"))
+    tell(StatusEvent("done", "optimal"))
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.split()[0] for line in lines[:-1]] == ["10.0", "20.0", "30.0", "31.0"]
+    assert lines[-1] == "done: optimal"
+    assert EVERY == 10.0
+
+
+@pytest.mark.parametrize(
+    ("words", "meant"),
+    [
+        (("slove", "m.stl"), "did you mean 'solve'?"),
+        (("solve", "m.stl", "--timelimit", "3"), "Did you mean '--time-limit'?"),
+        (("solve", "m.stl", "--backend", "hihgs"), "did you mean 'highs'?"),
+        (("solve", "m.stl", "--encoding", "hul"), "did you mean 'hull'?"),
+        (("solve", "m.stl", "--encoding", "stl=unari"), "did you mean 'unary'?"),
+        (("solve", "m.stl", "--strategy", "mlip"), "did you mean 'milp'?"),
+        (("solve", "m.stl", "--disable", "decid"), "did you mean 'decide'?"),
+    ],
+)
+def test_names_near_others_are_meant(words, meant, tmp_path):
+    (tmp_path / "m.stl").write_text(MISSION)
+    done = inside(*words, folder=tmp_path)
+    assert done.returncode == 2
+    assert meant in done.stderr
