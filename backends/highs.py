@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -59,7 +59,10 @@ class Highs:
             _configure(h, model, options, threads)
             listen(h, worker, model)
             worker.run(lambda: _check(h.run(), "run"))
-            return self._read(h, model, options, threads, time.perf_counter() - began)
+            found = self._read(h, model, options, threads, time.perf_counter() - began)
+        if options.start is None or not _is_belied(model, found):
+            return found
+        return self.solve(model, _afresh(options, found))
 
     def _read(
         self, h: Any, model: Model, options: SolveOptions, threads: int, seconds: float
@@ -85,6 +88,24 @@ class Highs:
             ignored(self, options) + (() if options.threads in (None, threads) else ("threads",)),
             h.modelStatusToString(h.getModelStatus()),
         )
+
+
+def _is_belied(model: Model, found: Solution) -> bool:
+    """Whether the point has another objective than is claimed of it.
+
+    HiGHS 1.16.0 may hand back the start with the objective of a better point that it found.
+    """
+    if found.x is None or found.objective is None:
+        return False
+    value = model.objective(found.x)
+    return abs(value - found.objective) > 1e-5 * (1.0 + abs(value) + float(np.abs(found.x).max()))
+
+
+def _afresh(options: SolveOptions, found: Solution) -> SolveOptions:
+    """What is asked of a second solve: no start, in the time that is left."""
+    left = options.time_limit
+    left = None if left is None else max(left - found.seconds, 0.01)
+    return replace(options, start=None, time_limit=left)
 
 
 def _check(status: Any, what: str) -> None:

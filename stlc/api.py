@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from stlc.arrays import Floats as Array
     from stlc.diagnostics import Diagnostic
     from stlc.explain.conflict import Conflict, Verdict
     from stlc.explain.edits import Change
@@ -24,14 +25,17 @@ if TYPE_CHECKING:
     from stlc.milp.compile import Compiled, CompileOptions
     from stlc.mission import Mission
     from stlc.plan import Plan
+    from stlc.radio.samples import Samples
+    from stlc.renew.receding import Loop, Voyage, World
+    from stlc.renew.replanning import Renewed
     from stlc.simulate import Simulation
     from stlc.solve.events import Listener
     from stlc.solve.outcome import Outcome, SolveSettings
     from stlc.verify import Report
 
 __all__ = [
-    "changes", "check", "compile", "explain", "explain_plan", "load", "loads", "simulate", "solve",
-    "verify",
+    "changes", "check", "compile", "explain", "explain_plan", "load", "loads", "receding", "replan",
+    "simulate", "solve", "verify",
 ]  # fmt: skip
 
 Params = Mapping[str, str | float]
@@ -107,6 +111,37 @@ def simulate(mission: Mission, plan: Plan, *, draws: int = 10_000, seed: int = 0
     from stlc.simulate import simulate as carry_out
 
     return carry_out(mission, plan, draws=draws, seed=seed)
+
+
+def replan(
+    mission: Mission,
+    plan: Plan,
+    step: int,
+    states: Mapping[str, Array],
+    *,
+    history: Mapping[str, tuple[Array, Array]] | None = None,
+    samples: Mapping[str, Samples] | None = None,
+    settings: SolveSettings | None = None,
+) -> Renewed:
+    """Plan what is left after a plan was followed up to `step`, from the `states` (n,) there.
+
+    `history` are states (step, n) and inputs (step, m) where they were others than planned;
+    `samples` were measured on the way, by channel. See `stlc.renew.replanning.replan`.
+    """
+    from stlc.renew.past import along
+    from stlc.renew.replanning import replan as renew
+
+    past = along(mission, plan, step, states, history)
+    return renew(mission, past, settings, old=plan, heard=samples)
+
+
+def receding(
+    mission: Mission, world: World, loop: Loop | None = None, *, plan: Plan | None = None
+) -> Voyage:
+    """Carry a mission out in a world, planning anew on events; see `stlc.renew.receding`."""
+    from stlc.renew.receding import receding as carry_out
+
+    return carry_out(mission, world, loop, plan=plan)
 
 
 def explain(

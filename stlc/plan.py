@@ -82,7 +82,8 @@ class Plan:
 
     `mission` is the file's name, `sha256` the digest of its text, `params` what `-D` set,
     `grids` the cells along each axis of channels that chose them (`stlc.grids`).
-    `certificate` holds what certification found (plain JSON values).
+    `certificate` holds what certification found (plain JSON values). The steps before `executed`
+    were carried out already: states up to and with that step are as they were measured.
     """
 
     mission: str
@@ -96,6 +97,7 @@ class Plan:
     certificate: Mapping[str, Any] = field(default_factory=dict)
     params: Mapping[str, str] = field(default_factory=dict)
     grids: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    executed: int = 0
 
     @property
     def times(self) -> Array:

@@ -25,6 +25,7 @@ def to_json(plan: Plan) -> str:
             "grids": {name: list(shape) for name, shape in plan.grids.items()},
             "step": plan.step,
             "horizon": plan.horizon,
+            **({"executed": plan.executed} if plan.executed else {}),
             "solve": plain(asdict(plan.solve)),
             "requirements": [
                 {"name": r.name, "robustness": _number(r.robustness), "margin": r.margin}

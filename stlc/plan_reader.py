@@ -161,7 +161,16 @@ def _plan(top: _Place) -> Plan:
         {k: p.value for k, p in top["certificate"].fields().items()},
         {k: p.text() for k, p in top["params"].fields().items()} if top.has("params") else {},
         {k: _grid(p) for k, p in top["grids"].fields().items()} if top.has("grids") else {},
+        _executed(top["executed"], length) if top.has("executed") else 0,
     )
+
+
+def _executed(place: _Place, horizon: int) -> int:
+    """How many steps were carried out before the plan was made."""
+    count = place.value
+    if not isinstance(count, int) or isinstance(count, bool) or not 0 <= count <= horizon:
+        raise place.fail(f"a whole number of steps up to {horizon}")
+    return count
 
 
 def _grid(place: _Place) -> tuple[int, ...]:

@@ -65,7 +65,14 @@ MAY: Mapping[str, set[str]] = {
     "report": {
         "grids", "grammar", "ir", "mission", "plan", "verify", "plot", "explain",
     },
-    "api": {"syntax", "sema", "mission", "milp", "plan", "verify", "solve", "simulate", "explain"},
+    "renew": {
+        "ir", "radio", "mission", "channels", "grids", "scales", "passes", "milp", "plan",
+        "verify", "solve",
+    },
+    "api": {
+        "syntax", "sema", "mission", "milp", "plan", "verify", "solve", "simulate", "explain",
+        "renew",
+    },
     "front": {
         "api", "explain", "milp", "mission", "plan", "plot", "report", "solve", "syntax", "verify",
     },

@@ -23,6 +23,7 @@ _COMMANDS = {
     "report": ("report", "Show a plan in one HTML page: map in motion, requirements, signals."),
     "read-solution": ("plans", "Turn another solver's answer into a plan."),
     "explain": ("explain", "Name the requirements that conflict."),
+    "replan": ("replan", "Plan what is left of a mission that is under way."),
     "simulate": ("simulate", "Carry out a plan many times: how probable is each requirement?"),
     "sweep": ("sweep", "Solve over parameters; trade two costs off against each other."),
     "race": ("race", "Solve with several solvers and encodings at once."),

@@ -27,6 +27,7 @@ from stlc.radio.posterior import (
     choose_centres,
     exact_posterior,
     inducing_posterior,
+    with_more,
 )
 from stlc.radio.samples import Samples, link_numbers, merge
 
@@ -167,6 +168,25 @@ def condition(model: ChannelModel, samples: Samples, most_centres: int = 1000) -
     rows = merged.samples
     noise = model.fading / merged.count
     return condition_on(model, evidence_for(model, rows, rows.rssi, noise), most_centres)
+
+
+def extended(model: ChannelModel, samples: Samples) -> ChannelModel:
+    """The channel given further uncensored samples beside those it has been conditioned on.
+
+    Exact where the posterior is: as if all had been there at once, but for links measured both
+    before and now, whose own deviations count as two. Raises as `condition`.
+    """
+    if model.posterior is None:
+        return condition(model, samples)
+    if samples.censored.any():
+        raise RadioError("censored samples cannot be conditioned on directly; fit the channel")
+    merged = merge(samples)
+    rows = merged.samples
+    evidence = evidence_for(model, rows, rows.rssi, model.fading / merged.count)
+    noise = evidence.noise + _floor_noise(model)
+    shape = (model.shadowing, model.length, model.kernel)
+    longer = with_more(model.posterior, evidence.links, evidence.residual, noise, *shape)
+    return replace(model, posterior=longer)
 
 
 def evidence_for(model: ChannelModel, samples: Samples, target: Array, noise: Array) -> Evidence:

@@ -75,6 +75,40 @@ def exact_posterior(
     return Posterior(links, factor.T @ (factor @ residual), factor, len(links), True)
 
 
+def with_more(
+    known: Posterior,
+    links: Array,
+    residual: Array,
+    noise: Array,
+    sigma_k2: float,
+    length: float,
+    kernel: KernelName,
+) -> Posterior:
+    """Condition a posterior on K more links: a step of block elimination.
+
+    With G = R k(c, y) the links' covariance given what is known is S = k(y, y) + noise - G'G, and
+
+        L L' = S,   R+ = [[R, 0], [-L^-1 G' R, L^-1]],   w+ = (w - R' G v, v),
+        v = S^-1 (residual - k(y, c) w).
+    """
+    cross = sigma_k2 * correlation(known.centres, links, length, kernel)
+    reduced = known.factor @ cross
+    covariance = sigma_k2 * correlation(links, links, length, kernel) - reduced.T @ reduced
+    covariance[np.diag_indices_from(covariance)] += noise + JITTER * sigma_k2
+    inverse = solve_lower(cholesky(covariance, "the covariance of the samples"), np.eye(len(links)))
+    more = inverse.T @ (inverse @ (residual - cross.T @ known.weights))
+    back = known.factor.T @ reduced
+    rows = len(known.factor)
+    factor = np.zeros((rows + len(links), len(known.centres) + len(links)))
+    factor[:rows, : len(known.centres)] = known.factor
+    factor[rows:, : len(known.centres)] = -inverse @ back.T
+    factor[rows:, len(known.centres) :] = inverse
+    return Posterior(
+        np.vstack([known.centres, links]), np.concatenate([known.weights - back @ more, more]),
+        factor, known.samples + len(links), known.exact,
+    )  # fmt: skip
+
+
 def inducing_posterior(
     centres: Array,
     links: Array,

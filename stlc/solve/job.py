@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from stlc.arrays import Floats
 from stlc.backends.base import Backend, Capability, Progress, Solution, SolveOptions, Status
 from stlc.errors import (
     InterruptedSolveError,
@@ -13,6 +14,7 @@ from stlc.errors import (
     SolverError,
 )
 from stlc.sense import Sense
+from stlc.solve import tuning
 from stlc.solve.deadline import Deadline, Stopwatch
 from stlc.solve.events import (
     DiagnosticEvent,
@@ -29,6 +31,7 @@ from stlc.solve.supervise import Supervisor
 if TYPE_CHECKING:
     from stlc.milp.compile import Compiled
     from stlc.mission import Mission
+    from stlc.plan import Plan
     from stlc.solve.confirm import RefutedError
 
 _INTERRUPTED = "interrupted before a plan was found"
@@ -107,10 +110,8 @@ class Job:
 
     def _options(self) -> SolveOptions:
         """The settings in the backends' words; a start plan is completed to a point."""
-        from stlc.solve.mip_start import complete_start
-
         s = self.settings
-        start = None if s.start is None else complete_start(self.compiled, s.start)
+        start = None if s.start is None else self._start(s.start)
         if start is not None:
             self.incumbent.take(start, self.compiled.model.objective(start))
         elif s.start is not None:
@@ -118,6 +119,21 @@ class Job:
             self.listen(DiagnosticEvent("warning", text))
         asked = SolveOptions(None, s.gap, s.threads, s.seed, start, extra=dict(s.extra))
         return replace(self.deadline.bind(asked), on_progress=self._on_progress)
+
+    def _start(self, plan: Plan) -> Floats | None:
+        """A point of the model with a plan's runs, or else near them; None without any."""
+        from stlc.solve.mip_start import complete_start
+
+        start = complete_start(self.compiled, plan)
+        if start is not None or not Capability.START & self.backend.capabilities:
+            return start
+        from stlc.solve.near_start import near_start
+
+        moment = self.deadline.share(tuning.NEAR.start_share, tuning.NEAR.start_seconds)
+        start = near_start(self.compiled, plan, moment.left)
+        if start is not None:
+            self.listen(StatusEvent("start", "the start plan is none; one near it is"))
+        return start
 
     def _on_progress(self, progress: Progress) -> None:
         self.listen(ProgressEvent.of(progress, self.mission.sense, self.watch.seconds))

@@ -165,6 +165,8 @@ class Near:
     narrowest: float = 0.005
     priced: float = 0.25  # and where links cost: bounds take longer there
     most: float = 300.0  # s
+    start_share: float = 0.25  # of the time that is left, for a plan near one that is none any more
+    start_seconds: float = 2.0  # and at most
 
 
 BRIEF, PAIR, TEAM, DIVE, LONE, PARTS = (

@@ -13,7 +13,7 @@ from stlc.verify.chains import Chain
 from stlc.verify.clearance import outside
 from stlc.verify.conditions import Motions
 from stlc.verify.continuous import Extremum, distance, separation
-from stlc.verify.link_models import CellModel, TrueModel, link_series
+from stlc.verify.link_models import CellModel, TrueModel, link_series, since
 from stlc.verify.lone import lone_samples
 from stlc.verify.motion import motion_violations, norm_notes, residual
 from stlc.verify.objective import cap_values, objective_violations, term_reports, total
@@ -37,8 +37,9 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
     says or implies so), every requirement (robustness >= margin
     - 1e-6; links on the cell model), `swept` conditions in continuous time, the objective and the
     bound claimed. Links are judged at the true positions too: what fails only there is in
-    `approximate`, unless the channel's bound promised to be rigorous. `tables` saves making a
-    channel's tables again. A channel that chooses its grid is judged on the plan's.
+    `approximate`, unless the channel's bound promised to be rigorous. Of steps that were carried
+    out already only what requirements say of them is judged, links where agents were. `tables`
+    saves making a channel's tables again. A channel that chooses its grid is judged on the plan's.
 
     Raises UsageError when the plan doesn't fit the mission's shape.
     """
@@ -46,15 +47,16 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
     subject = make_subject(mission, plan, tables)
     cells = CellModel(subject)
     true = TrueModel(subject, cells)
+    on_cells = since(plan.executed, true.robustness, cells.robustness)
     sampled, true_links = (
-        Trace(mission.horizon + 1, subject.signals, links.robustness) for links in (cells, true)
+        Trace(mission.horizon + 1, subject.signals, links) for links in (on_cells, true.robustness)
     )
     states = state_paths(mission, plan.runs)
     motion = placed(mission, states)
     chains = {name: Chain.of(path) for name, path in motion.items()}
     bodies = Bodies(mission)
     override = SweptOverride(mission, motion, chains, Motions(states, plan.runs), bodies)
-    requirements = judge(mission, sampled, true_links, override, bodies)
+    requirements = judge(mission, sampled, true_links, override, bodies, plan.executed)
     terms = term_reports(subject, cells, sampled)
     objective = total(terms)
     findings = list(position_findings(mission, requirements))
@@ -82,14 +84,15 @@ def _violations(
     """What the run itself violates: dynamics and bounds, the workspace, requirements, passages."""
     mission = subject.mission
     yield from motion_violations(subject)
-    yield from workspace_violations(mission, motion)
+    yield from workspace_violations(mission, motion, subject.plan.executed)
     yield from requirement_violations(mission, requirements)
     yield from passages(mission, chains, bodies)
     yield from lone_samples(mission, chains, bodies)
 
 
 def _residual(mission: Mission, plan: Plan) -> float:
-    each = (residual(agent, plan.runs[name]) for name, agent in mission.agents.items())
+    agents = mission.agents.items()
+    each = (residual(agent, plan.runs[name])[plan.executed :] for name, agent in agents)
     return max((float(gap.max(initial=0.0)) for gap in each), default=0.0)
 
 
@@ -100,8 +103,10 @@ def _notes(subject: Subject, motion: Mapping[str, Path]) -> Iterator[str]:
     if chosen := shapes(subject.mission):
         yield f"links are judged cell by cell, {text(chosen)}, chosen by `partition auto`"
     yield from norm_notes(subject)
-    yield from workspace_notes(subject.mission, motion)
+    yield from workspace_notes(subject.mission, motion, subject.plan.executed)
     models = {name: agent.dynamics for name, agent in subject.mission.agents.items()}
+    if subject.plan.executed:
+        yield f"steps before {subject.plan.executed} were carried out: they are as measured"
     for what, names in (
         ("straight lines, as the mission says", [n for n, m in models.items() if m.straight]),
         ("straight lines, for want of better", [n for n, m in models.items() if not is_known(m)]),

@@ -19,6 +19,7 @@ from stlc.ir.nodes import Link, Quantity, walk
 from stlc.mission import Channel, Mission, TermKind
 from stlc.plan import LinkSeries
 from stlc.verify.subject import Array, Subject
+from stlc.verify.trace import LinkEvaluator
 
 Pair = tuple[str, str]
 Pick = Literal["least", "greatest"]
@@ -107,6 +108,20 @@ class TrueModel:
         if given or channel.model is None:
             return self.cells.robustness(link, positive)
         return true_robustness(channel, link, self.values(channel, pair))
+
+
+def since(step: int, before: LinkEvaluator, after: LinkEvaluator) -> LinkEvaluator:
+    """Links judged by one model before a step and by another from it on."""
+    if not step:
+        return after
+
+    def robustness(link: Link, positive: bool) -> Array:
+        """Robustness (T+1,) of a link predicate."""
+        values = after(link, positive).copy()
+        values[:step] = before(link, positive)[:step]
+        return values
+
+    return robustness
 
 
 def named_pairs(mission: Mission) -> Iterator[tuple[str, Pair]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,18 +17,24 @@ Describe = Callable[[int, int], str]
 
 
 def motion_violations(subject: Subject) -> Iterator[Violation]:
-    """Every condition on an agent alone that is broken, each once, at its worst step."""
+    """Every condition on an agent alone that is broken, each once, at its worst step.
+
+    What was carried out already is as it was measured: states are judged after it.
+    """
+    past = subject.plan.executed
     for name, agent in subject.mission.agents.items():
         run = subject.plan.runs[name]
-        yield from _dynamics(agent, run)
-        yield from _start(agent, run)
-        yield from _bounds(agent, run)
-        yield from _integers(agent, run)
+        ahead = replace(run, states=run.states[past:], inputs=run.inputs[past:])
+        yield from _dynamics(agent, ahead, past)
+        if not past:
+            yield from _start(agent, run)
+        yield from _bounds(agent, run, past)
+        yield from _integers(agent, ahead, past)
         for bound in agent.state_norms:
-            yield from _norm(agent, bound, run.states[1:], run.state_names, 1)
+            yield from _norm(agent, bound, ahead.states[1:], run.state_names, past + 1)
         for bound in agent.input_norms:
-            yield from _norm(agent, bound, run.inputs, run.input_names, 0)
-        yield from _turn_rate(agent, run)
+            yield from _norm(agent, bound, ahead.inputs, run.input_names, past)
+        yield from _turn_rate(agent, ahead, past)
 
 
 def residual(agent: Agent, run: Run) -> Array:
@@ -64,7 +71,7 @@ def _slack(size: Array | float) -> Array:
     return TOLERANCE * np.maximum(1.0, np.abs(size))
 
 
-def _dynamics(agent: Agent, run: Run) -> Iterator[Violation]:
+def _dynamics(agent: Agent, run: Run, first: int) -> Iterator[Violation]:
     gap = residual(agent, run)
     names = agent.dynamics.states
 
@@ -72,7 +79,7 @@ def _dynamics(agent: Agent, run: Run) -> Iterator[Violation]:
         """How far a state is off its dynamics."""
         return f"{names[column]} doesn't follow from its dynamics (off by {gap[step, column]:.3g})"
 
-    yield from _worst(gap, _slack(run.states[1:]), "dynamics", agent, describe, 1)
+    yield from _worst(gap, _slack(run.states[1:]), "dynamics", agent, describe, first + 1)
 
 
 def _start(agent: Agent, run: Run) -> Iterator[Violation]:
@@ -86,13 +93,16 @@ def _start(agent: Agent, run: Run) -> Iterator[Violation]:
     yield from _worst(gap, _slack(agent.start), "start", agent, describe)
 
 
-def _bounds(agent: Agent, run: Run) -> Iterator[Violation]:
+def _bounds(agent: Agent, run: Run, past: int) -> Iterator[Violation]:
     """States and inputs beyond their bounds, the worst of each bound."""
+    early = past + 1 if past else 0  # the state that was measured is none that a plan chose
     boxes = (
-        ("state bound", run.states, agent.state_lower, agent.state_upper, run.state_names),
-        ("input bound", run.inputs, agent.input_lower, agent.input_upper, run.input_names),
-    )
-    for kind, values, lower, upper, names in boxes:
+        ("state bound", run.states[early:], agent.state_lower, agent.state_upper,
+         run.state_names, early),
+        ("input bound", run.inputs[past:], agent.input_lower, agent.input_upper,
+         run.input_names, past),
+    )  # fmt: skip
+    for kind, values, lower, upper, names, first in boxes:
         for sign, limit, word in ((1.0, upper, "above"), (-1.0, lower, "below")):
 
             def describe(
@@ -105,10 +115,10 @@ def _bounds(agent: Agent, run: Run) -> Iterator[Violation]:
 
             finite = np.where(np.isfinite(limit), limit, sign * np.inf)
             slack = _slack(np.where(np.isfinite(limit), limit, 0.0))
-            yield from _worst(sign * (values - finite), slack, kind, agent, describe)
+            yield from _worst(sign * (values - finite), slack, kind, agent, describe, first)
 
 
-def _integers(agent: Agent, run: Run) -> Iterator[Violation]:
+def _integers(agent: Agent, run: Run, first: int) -> Iterator[Violation]:
     if not agent.integer_inputs:
         return
 
@@ -117,7 +127,7 @@ def _integers(agent: Agent, run: Run) -> Iterator[Violation]:
         return f"{run.input_names[column]} = {run.inputs[step, column]:.9g} is not an integer"
 
     off = np.abs(run.inputs - np.rint(run.inputs))
-    yield from _worst(off, TOLERANCE, "integer input", agent, describe)
+    yield from _worst(off, TOLERANCE, "integer input", agent, describe, first)
 
 
 def _norm(
@@ -162,7 +172,7 @@ def norm_notes(subject: Subject) -> Iterator[str]:
                 )
 
 
-def _turn_rate(agent: Agent, run: Run) -> Iterator[Violation]:
+def _turn_rate(agent: Agent, run: Run, first: int) -> Iterator[Violation]:
     """||u|| <= (u_max / v_max) ||v|| by the Euclidean formula, or at rest."""
     rate, velocity = agent.turn_rate, agent.dynamics.velocity
     if rate is None or velocity is None:
@@ -180,4 +190,4 @@ def _turn_rate(agent: Agent, run: Run) -> Iterator[Violation]:
             f"(at most {allowed:.6g})"
         )
 
-    yield from _worst(excess[:, None], TOLERANCE, "turn rate", agent, describe, 0, rate.span)
+    yield from _worst(excess[:, None], TOLERANCE, "turn rate", agent, describe, first, rate.span)

@@ -23,7 +23,7 @@ from stlc.verify.critical import critical
 from stlc.verify.paths import Path, placed, state_paths
 from stlc.verify.prisms import levels_of
 from stlc.verify.report import RequirementReport, Violation
-from stlc.verify.robustness import Evaluator
+from stlc.verify.robustness import Evaluator, Override
 from stlc.verify.samples import Samples
 from stlc.verify.shapes import Bodies, Body
 from stlc.verify.subject import TOLERANCE, Array
@@ -45,19 +45,41 @@ class _Judges:
 
 
 def judge(
-    mission: Mission, cells: Trace, true: Trace, swept: SweptOverride, bodies: Bodies
+    mission: Mission, cells: Trace, true: Trace, swept: SweptOverride, bodies: Bodies, past: int = 0
 ) -> tuple[RequirementReport, ...]:
-    """Reports on all requirements."""
-    sampled = Evaluator(cells)
+    """Reports on all requirements; before step `past`, which was carried out, `swept` conditions
+    are what the motion was, whatever is sufficient for them."""
+    sampled = Evaluator(cells, _known(past, cells, swept))
     samples = Samples(mission, swept.chains, bodies, sampled)
 
     def by_corners(node: Node) -> Array | None:
         return swept(node) if node.swept is not None else samples(node)
 
     judges = _Judges(
-        sampled, Evaluator(true), Evaluator(cells, swept), Evaluator(cells, by_corners), samples
+        sampled,
+        Evaluator(true, _known(past, true, swept)),
+        Evaluator(cells, swept),
+        Evaluator(cells, by_corners),
+        samples,
     )
     return tuple(_report(r, judges) for r in mission.requirements)
+
+
+def _known(past: int, trace: Trace, swept: SweptOverride) -> Override | None:
+    """Judges `swept` conditions by the motion at the steps before `past`."""
+    if not past:
+        return None
+    plain = Evaluator(trace)
+
+    def override(node: Node) -> Array | None:
+        moved = swept(node)
+        if moved is None:
+            return None
+        values = plain.robustness(node).copy()
+        values[:past] = moved[:past]
+        return values
+
+    return override
 
 
 def _report(requirement: Requirement, judges: _Judges) -> RequirementReport:

@@ -14,16 +14,18 @@ from stlc.verify.report import Violation
 from stlc.verify.subject import TOLERANCE
 
 
-def workspace_violations(mission: Mission, motion: Mapping[str, Path]) -> Iterator[Violation]:
-    """Each agent that leaves the workspace, where it is farthest out."""
-    for name, step, out in _excursions(mission, motion, mission.workspace_swept):
+def workspace_violations(
+    mission: Mission, motion: Mapping[str, Path], past: int = 0
+) -> Iterator[Violation]:
+    """Each agent that leaves the workspace after step `past`, where it is farthest out."""
+    for name, step, out in _excursions(mission, motion, mission.workspace_swept, past):
         x, y = motion[name].plane.at(np.array([step]))[0]
         when = f"step {step:g}" if step == int(step) else f"{step * mission.step:.4g} s"
         text = f"{name} at {when}: ({x:.6g}, {y:.6g}) lies {out:.3g} m outside the workspace"
         yield Violation("workspace", text, out, step, name, mission.agents[name].span)
 
 
-def workspace_notes(mission: Mission, motion: Mapping[str, Path]) -> Iterator[str]:
+def workspace_notes(mission: Mission, motion: Mapping[str, Path], past: int = 0) -> Iterator[str]:
     """What the workspace promises, and what happens between samples where it promises nothing."""
     if mission.workspace is None:
         return
@@ -31,23 +33,27 @@ def workspace_notes(mission: Mission, motion: Mapping[str, Path]) -> Iterator[st
         yield "the workspace holds between samples too"
         return
     yield "the workspace holds at the steps; `workspace .. swept` makes it hold between them"
-    for name, step, out in _excursions(mission, motion, swept=True):
+    for name, step, out in _excursions(mission, motion, swept=True, past=past):
         time = step * mission.step
         yield f"between samples {name} leaves the workspace by {out:.4g} m, at {time:.4g} s"
 
 
 def _excursions(
-    mission: Mission, motion: Mapping[str, Path], swept: bool
+    mission: Mission, motion: Mapping[str, Path], swept: bool, past: int
 ) -> Iterator[tuple[str, float, float]]:
-    """(agent, fractional step, metres) where an agent is farthest out of the workspace."""
+    """(agent, fractional step, metres) where an agent is farthest out of the workspace.
+
+    Of steps that were carried out nothing is asked, nor of the state that was measured last.
+    """
+    ahead = past if swept or not past else past + 1
     space = mission.workspace
-    if space is None:
+    if space is None or ahead > mission.horizon:
         return
     for name in mission.agents:
         if name in motion:
             path = motion[name].plane
             found = inside(path, space) if swept else _at_steps(path, space)
-            row = int(found.value.argmin())
+            row = ahead + int(found.value[ahead:].argmin())
             out = -float(found.value[row])
             if not out <= TOLERANCE:
                 yield name, row + float(found.where[row]), out

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import strategies as st
 
+from stlc.ir.networks import Count
 from stlc.ir.nodes import (
     Always,
     And,
@@ -156,6 +157,8 @@ class Naive:
                 return max(-parts[0], parts[1])
             case Iff():
                 return min(max(-parts[0], parts[1]), max(-parts[1], parts[0]))
+            case Count(least=least):
+                return sorted(parts)[-least]
         raise AssertionError(node)
 
     def _temporal(self, node: Node, t: int) -> float | None:

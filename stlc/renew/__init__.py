@@ -1,0 +1,1 @@
+"""Missions under way: what is left of one after some steps, planned anew from where it stands."""

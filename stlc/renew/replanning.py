@@ -1,0 +1,188 @@
+"""A plan made anew from where a mission stands."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stlc.errors import DisagreementError, InfeasibleError, UsageError
+from stlc.grids import on_grids
+from stlc.mission import Mission
+from stlc.plan import Plan, make_plan
+from stlc.radio.samples import Samples
+from stlc.renew.eased import Eased, Exceeded, eased, softened
+from stlc.renew.past import Past, joined
+from stlc.renew.reestimate import reestimated
+from stlc.renew.remaining import Lost, remaining
+from stlc.solve.driver import solve_mission
+from stlc.solve.events import Listener, StatusEvent, ignore
+from stlc.solve.outcome import Outcome, SolveSettings
+from stlc.verify import Report, verify
+
+
+@dataclass(frozen=True, slots=True)
+class Softened:
+    """A bound, or a requirement, that the new plan does not keep.
+
+    `now` is by how much the measured state exceeds a bound, `most` the greatest excess to come and
+    `until` the last step with any, None where there is none any more.
+    """
+
+    text: str
+    now: float
+    most: float
+    until: int | None
+    unit: str = ""
+
+    def __str__(self) -> str:
+        unit = f" {self.unit}" if self.unit else ""
+        back = "kept again from the next step on"
+        if self.until is not None:
+            back = f"by at most {self.most:.4g}{unit} from now on, until step {self.until}"
+        return f"{self.text}: exceeded by {self.now:.4g}{unit} now, {back}"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Renewed:
+    """A new plan of the whole mission, its first `plan.executed` steps as they were.
+
+    `outcome` is that of the mission that was left; `done` requirements hold whatever comes, `lost`
+    ones cannot hold any more, `given_up` are those that no plan could keep together.
+    """
+
+    plan: Plan
+    report: Report
+    outcome: Outcome
+    done: tuple[str, ...]
+    lost: tuple[Lost, ...]
+    softened: tuple[Softened, ...]
+    given_up: tuple[str, ...]
+    mission: Mission  # with its channels as they are known now
+
+    @property
+    def kept(self) -> bool:
+        """Whether the plan keeps all that the mission asks for."""
+        return self.report.ok
+
+    def text(self) -> str:
+        """What a person sees."""
+        info = self.outcome.plan.solve
+        value = "-" if info.objective is None else f"{info.objective:.6g}"
+        lines = [f"step {self.plan.executed}: {info.status}, what is left costs {value}"]
+        lines += [f"  done: {', '.join(self.done)}"] if self.done else []
+        lines += [f"  {lost}" for lost in self.lost]
+        lines += [f"  softened: {s}" for s in self.softened]
+        lines += [f"  given up: {name}" for name in self.given_up]
+        return "\n".join([*lines, *self.report.text().splitlines()[1:]])
+
+
+def replan(
+    mission: Mission,
+    past: Past,
+    settings: SolveSettings | None = None,
+    *,
+    old: Plan | None = None,
+    heard: Mapping[str, Samples] | None = None,
+    listen: Listener = ignore,
+) -> Renewed:
+    """Plan what is left of a mission after `past`.
+
+    `heard` are samples measured on the way, by channel: what comes is planned by the channels that
+    they give. `old`, a plan of the whole mission, is where the search starts, shifted to now.
+    Bounds that the measured state breaks are exceeded as little as can be; where the requirements
+    cannot hold any more, as little is given up. The new plan, joined to the past, is verified as a
+    whole. Raises NoPlanError at a limit, InfeasibleError where even so nothing is left.
+    """
+    settings = settings or SolveSettings()
+    if old is not None:
+        mission = on_grids(mission, old.grids)
+    mission = reestimated(mission, heard or {})
+    left = remaining(mission, past)
+    room = eased(left.mission)
+    if old is not None and settings.start is None:
+        settings = replace(settings, start=_tail(old, past, room.mission))
+    asked = replace(settings, save_to=None)
+    outcome, room, given_up = _planned(left.mission, room, asked, listen)
+    plan, report = _whole(mission, past, outcome)
+    soft = tuple(_softened(e, outcome.plan, past.step) for e in room.exceeded)
+    soft = tuple(s for s in soft if s.now > 0.0 or s.until is not None)
+    renewed = Renewed(
+        plan, report, outcome, left.done, left.lost, soft, given_up, on_grids(mission, plan.grids)
+    )
+    _check(renewed)
+    if settings.save_to is not None:
+        plan.write(settings.save_to)
+    return renewed
+
+
+def _tail(old: Plan, past: Past, left: Mission) -> Plan:
+    """What is left of the old plan, from where the mission stands: its inputs, carried out from
+    the measured states."""
+    if old.horizon - past.step != left.horizon:
+        raise UsageError(f"the old plan has {old.horizon} steps, the mission another number")
+    states, inputs = {}, {}
+    for name, agent in left.agents.items():
+        given = old.runs[name].inputs[past.step :]
+        inputs[name] = np.clip(given, agent.input_lower, agent.input_upper)
+        run = [np.asarray(agent.start, dtype=np.float64)]
+        for u in inputs[name]:
+            run.append(agent.dynamics.A @ run[-1] + agent.dynamics.B @ u + agent.dynamics.drift)
+        states[name] = np.array(run)
+    return make_plan(left, states, inputs)
+
+
+def _planned(
+    left: Mission, room: Eased, settings: SolveSettings, listen: Listener
+) -> tuple[Outcome, Eased, tuple[str, ...]]:
+    """A plan that keeps everything, or else all bounds that hold now, or else as much as it can:
+    what had to give way, and the requirements that it gives up."""
+    try:
+        return solve_mission(room.mission, settings, listen), room, ()
+    except InfeasibleError as error:
+        listen(StatusEvent("soften", str(error)))
+        told = error
+    for trial in (room, eased(left, all_bounds=True)):
+        wishes, owner = softened(trial.mission, left)
+        try:
+            outcome = solve_mission(wishes, settings, listen)
+        except (InfeasibleError, UsageError):  # or nothing bounds what is lacking
+            continue
+        broken = {owner.get(p.name) for p in outcome.report.preferences if not p.kept}
+        return outcome, trial, tuple(r.name for r in left.requirements if r.name in broken)
+    raise told
+
+
+def _whole(mission: Mission, past: Past, outcome: Outcome) -> tuple[Plan, Report]:
+    """The whole run and the verdict on it; its objective is that of the whole."""
+    plan = joined(past, outcome.plan, mission)
+    plan = replace(plan, solve=replace(plan.solve, objective=None, bound=None, gap=None))
+    report = verify(mission, plan)
+    value = None if report.objective is None else report.objective[0]
+    info = outcome.plan.solve
+    plan = replace(plan, solve=replace(plan.solve, objective=value, gap=info.gap))
+    return report.annotate(plan, outcome.plan.certificate), report
+
+
+def _softened(exceeded: Exceeded, rest: Plan, now: int) -> Softened:
+    over = exceeded.excess(rest.runs[exceeded.agent].states[1:])
+    late = np.flatnonzero(over > 1e-6)
+    until = None if not len(late) else now + 1 + int(late[-1])
+    return Softened(
+        f"{exceeded.agent}: {exceeded.what}", exceeded.now, float(over.max(initial=0.0)), until,
+        exceeded.unit,
+    )  # fmt: skip
+
+
+def _check(renewed: Renewed) -> None:
+    """The whole run breaks nothing but what is said to be broken."""
+    expected = {x.name for x in renewed.lost} | set(renewed.given_up)
+    unexpected = [
+        r.name for r in renewed.report.requirements if not r.satisfied and r.name not in expected
+    ]
+    if unexpected:
+        raise DisagreementError(
+            "the plan for what is left is good, yet joined to the past it fails "
+            f"{', '.join(unexpected)}: please report it"
+        )
