@@ -108,6 +108,7 @@ def _agent(agent: Agent, held: float, found: list[tuple[Exceeded, list[Linear]]]
 def _beyond_box(
     agent: Agent, k: int, sign: float, limit: float, over: float
 ) -> tuple[Exceeded, list[Linear]]:
+    """A state beyond one end of its box, and the predicate that it is within."""
     unit = agent.dynamics.state_units[k]
     word = "<=" if sign > 0 else ">="
     what = f"{agent.dynamics.states[k]} {word} {limit:g}"
@@ -156,6 +157,7 @@ def _outside(agent: Agent, space: Polytope) -> float:
 def _beyond_space(
     agents: Mapping[str, Agent], space: Polytope, held: float
 ) -> Iterator[tuple[Exceeded, list[Linear]]]:
+    """Agents that start outside the workspace, each with the faces that it is to be within."""
     for name, agent in agents.items():
         position = agent.dynamics.position
         out = _outside(agent, space)
@@ -203,6 +205,7 @@ def _grown(space: Polytope, by: float) -> Polytope:
 
 
 def _with_margin(channel: Channel, grow: float) -> Channel:
+    """The channel with its outermost cells so much wider in the plane [m]."""
     cells = channel.partition
     boxes = cells.boxes.copy()
     for axis in (0, 1):

@@ -74,6 +74,7 @@ def along(
 
 
 def _shaped(values: Floats, shape: tuple[int, ...], agent: str) -> Floats:
+    """Finite numbers of that shape. Raises UsageError for others."""
     found = np.asarray(values, dtype=np.float64)
     if found.size == 0 and 0 in shape:
         return np.empty(shape)

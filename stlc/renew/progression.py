@@ -113,6 +113,7 @@ class Progression:
         return self._connective(node, step)
 
     def _connective(self, node: Node, step: int) -> Node:
+        """A node whose value comes from its parts at the same step."""
         parts = [self._at(child, step) for child in node.children]
         match node:
             case And() | Or():

@@ -89,6 +89,7 @@ def _started(mission: Mission, past: Past) -> Mission:
 
 
 def _progression(mission: Mission, past: Past) -> Progression:
+    """Progression over what happened, as the verifier judges it."""
     judge = _judge(mission, past)
     formulas = (
         *(r.formula for r in mission.requirements),
