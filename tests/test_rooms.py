@@ -71,7 +71,7 @@ MAY: Mapping[str, set[str]] = {
     },
     "api": {
         "syntax", "sema", "mission", "milp", "plan", "verify", "solve", "simulate", "explain",
-        "renew",
+        "radio", "renew",
     },
     "front": {
         "api", "explain", "milp", "mission", "plan", "plot", "report", "solve", "syntax", "verify",

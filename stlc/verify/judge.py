@@ -34,12 +34,11 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
 
     Checked: dynamics, start, bounds, norms (by the Euclidean norm; an `outer` one by its polygon),
     turning rate (Euclidean), integer inputs, workspace (in continuous time where the mission
-    says or implies so), every requirement (robustness >= margin
-    - 1e-6; links on the cell model), `swept` conditions in continuous time, the objective and the
-    bound claimed. Links are judged at the true positions too: what fails only there is in
-    `approximate`, unless the channel's bound promised to be rigorous. Of steps that were carried
-    out already only what requirements say of them is judged, links where agents were. `tables`
-    saves making a channel's tables again. A channel that chooses its grid is judged on the plan's.
+    says or implies so), every requirement (robustness >= margin - 1e-6; links on the cell model),
+    `swept` conditions in continuous time, the objective and the bound claimed. Links are judged at
+    the true positions too: what fails only there is in `approximate`, unless the channel's bound
+    promised to be rigorous. Of steps carried out already only what requirements say is judged.
+    `tables` saves making a channel's tables again; grids that channels chose are the plan's.
 
     Raises UsageError when the plan doesn't fit the mission's shape.
     """
