@@ -10,8 +10,9 @@ from typing import Protocol
 import numpy as np
 
 from stlc.arrays import Floats
-from stlc.channels import needed, receiver
+from stlc.channels import TableMemo, needed, receiver
 from stlc.errors import NoPlanError
+from stlc.milp.compile import CompileOptions
 from stlc.mission import Mission
 from stlc.plan import Plan, make_plan
 from stlc.radio.samples import Samples, make_samples
@@ -119,6 +120,7 @@ class _Run:
     heard: list[Heard] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
     seconds: list[float] = field(default_factory=list)
+    tables: TableMemo = field(default_factory=dict)
 
     def go(self, plan: Plan | None) -> Voyage:
         """From the first step to the last."""
@@ -165,7 +167,7 @@ class _Run:
         heard = collected(self.heard) if self.loop.learn else {}
         renewed = None
         try:
-            renewed = replan(self.mission, past, self.loop.settings, old=plan, heard=heard)
+            renewed = replan(self.mission, past, self._settings(), old=plan, heard=heard)
         except NoPlanError:
             if plan is None:
                 raise
@@ -173,6 +175,16 @@ class _Run:
         self.events.append(event)
         self.tell(event)
         return (plan, known) if renewed is None else (renewed.plan, renewed.mission)
+
+    def _settings(self) -> SolveSettings:
+        """Those of the loop; channels that don't learn keep their tables."""
+        given = self.loop.settings
+        if self.loop.learn:
+            return given
+        options = given.compile or CompileOptions()
+        if options.tables is not None:
+            return given
+        return replace(given, compile=replace(options, tables=self.tables))
 
     def _concluded(self, past: Past) -> Voyage:
         """The run as it was, judged by all that is known at its end."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from stlc.channels import ChannelTables, TableMemo
 from stlc.errors import DisagreementError, InfeasibleError, UsageError
 from stlc.grids import on_grids
 from stlc.mission import Mission
@@ -103,9 +104,9 @@ def replan(
     room = eased(left.mission)
     if old is not None and settings.start is None:
         settings = replace(settings, start=_tail(old, past, room.mission))
-    asked = replace(settings, save_to=None)
+    asked, memo = _sharing(replace(settings, save_to=None), room)
     outcome, room, given_up = _planned(left.mission, room, asked, listen)
-    plan, report = _whole(mission, past, outcome)
+    plan, report = _whole(mission, past, outcome, memo)
     soft = tuple(_softened(e, outcome.plan, past.step) for e in room.exceeded)
     soft = tuple(s for s in soft if s.now > 0.0 or s.until is not None)
     renewed = Renewed(
@@ -115,6 +116,20 @@ def replan(
     if settings.save_to is not None:
         plan.write(settings.save_to)
     return renewed
+
+
+def _sharing(settings: SolveSettings, room: Eased) -> tuple[SolveSettings, TableMemo]:
+    """Settings whose link tables serve the verdict on the whole too: they take longer than it.
+
+    They are others where cells were widened, or may be made finer.
+    """
+    from stlc.milp.compile import CompileOptions
+
+    options = settings.compile or CompileOptions()
+    if room.exceeded or any(c.auto for c in room.mission.channels.values()):
+        return settings, {}
+    memo = {} if options.tables is None else options.tables
+    return replace(settings, compile=replace(options, tables=memo)), memo
 
 
 def _tail(old: Plan, past: Past, left: Mission) -> Plan:
@@ -154,11 +169,12 @@ def _planned(
     raise told
 
 
-def _whole(mission: Mission, past: Past, outcome: Outcome) -> tuple[Plan, Report]:
+def _whole(mission: Mission, past: Past, outcome: Outcome, memo: TableMemo) -> tuple[Plan, Report]:
     """The whole run and the verdict on it; its objective is that of the whole."""
     plan = joined(past, outcome.plan, mission)
     plan = replace(plan, solve=replace(plan.solve, objective=None, bound=None, gap=None))
-    report = verify(mission, plan)
+    mission = on_grids(mission, plan.grids)
+    report = verify(mission, plan, ChannelTables(mission, memo))
     value = None if report.objective is None else report.objective[0]
     info = outcome.plan.solve
     plan = replace(plan, solve=replace(plan.solve, objective=value, gap=info.gap))
