@@ -13,16 +13,15 @@ from stlc.ir.nodes import (
     Eventually,
     Iff,
     Implies,
-    Motion,
     Node,
     Not,
     Or,
     Release,
-    Swept,
     Until,
 )
 from stlc.record import changed
 from stlc.sema import clock, link_calls, networks
+from stlc.sema.between import between_steps
 from stlc.sema.compare import Operator, at_least_zero, compare, is_condition, is_integer
 from stlc.sema.membership import membership
 from stlc.sema.name_errors import NotNegatable, WrongKind
@@ -31,7 +30,6 @@ from stlc.sema.report import Mistake, Reported
 from stlc.sema.scalars import absolute, add
 from stlc.sema.scope import Scope, as_scalar
 from stlc.sema.space_errors import NotInSpace
-from stlc.sema.swept import separation_claim, sweep
 from stlc.sema.unit_errors import LevelAgainstRatio
 from stlc.sema.values import Chance, Env, Items, Place, Radio, Scalar, Separation, Tally, Value
 from stlc.sema.warnings import EmptyInequality
@@ -51,9 +49,7 @@ def formula(expr: ast.Expr, env: Env, scope: Scope) -> Node:
         case ast.Swept():
             if not env.positive:
                 raise Mistake(NotNegatable(span=expr.span))
-            inner = scope.formula(expr.arg, env)
-            claim = separation_claim(inner, scope) or Swept(Motion.CONDITION, condition=inner)
-            return replace(sweep(inner, scope, expr.span), span=expr.span, swept=claim)
+            return between_steps(scope.formula(expr.arg, env), scope, expr.span)
         case ast.Not():
             return Not(scope.formula(expr.arg, flipped(env)), span=expr.span)
         case ast.Logical():

@@ -11,6 +11,7 @@ import numpy as np
 from stlc.ir.claims import Membership
 from stlc.ir.nodes import And, Const, Linear, Motion, Node, Or, Swept, Timed
 from stlc.places import Polytope, Sweep
+from stlc.record import changed
 from stlc.sema.compare import at_least_zero
 from stlc.sema.heights import EVERY, Levels, kept_from
 from stlc.sema.members import point
@@ -52,7 +53,15 @@ def _relate(subject: Value, place: Value, expr: ast.Membership, scope: Scope) ->
     known = scope.memo.get(key)
     if known is None:
         known = scope.memo[key] = _against(subject, place, expr, scope)
+        if known.member is not None:
+            scope.asked[known.member] = (subject, place, expr)
     return known
+
+
+def swept_membership(claim: Membership, scope: Scope) -> Node:
+    """The `swept` form of a membership that the mission states at the steps."""
+    subject, place, expr = scope.asked[claim]
+    return _relate(subject, place, changed(expr, swept=True), scope)
 
 
 def _is_point(items: Items) -> bool:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from math import prod
 
 from stlc.bezier import Curve
+from stlc.ir.claims import Membership
 from stlc.ir.nodes import Node
 from stlc.mission import Agent, Channel, Dynamics, Station
 from stlc.places import Obstacle, Polytope, Region
@@ -60,6 +61,7 @@ class Scope:
     used: set[str] = field(default_factory=set)
     evaluating: list[str] = field(default_factory=list)
     memo: dict[Hashable, Node] = field(default_factory=dict)
+    asked: dict[Membership, tuple[Value, Place, ast.Membership]] = field(default_factory=dict)
     curves: dict[tuple[str, int | None], Curve | None] = field(default_factory=dict)
     numbers: dict[Hashable, Scalar] = field(default_factory=dict)
     uses: dict[Hashable, set[str]] = field(default_factory=dict)

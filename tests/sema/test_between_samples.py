@@ -10,7 +10,7 @@ from scipy.linalg import expm
 
 from stlc.api import loads, solve
 from stlc.bezier import curve
-from stlc.errors import MissionError
+from stlc.errors import InfeasibleError, MissionError
 from stlc.ir.nodes import Motion, walk
 from stlc.mission import Dynamics, Flow
 from stlc.sema.discretise import zero_order_hold
@@ -141,3 +141,55 @@ def test_every_swept_condition_says_what_it_stands_for() -> None:
     claims = [n.swept for r in mission.requirements for n in walk(r.formula) if n.swept]
     assert [claim.motion for claim in claims] == [Motion.CONDITION]
     assert claims[0].condition is not None
+
+
+GATE = """step 1 s
+horizon 8
+workspace box [0, 6] x [0, 6]
+agent r : single_integrator {{ start (3, 1); control |u| <= 2 }}
+obstacle one = box [-1, 3] x [2, 3]
+obstacle two = box [3, 7] x [2, 3]
+obstacle ferry = moving {{ 0: box [0, 1] x [4, 5]; 3: box [2, 3] x [4, 5] }}
+region low = box [0, 6] x [0, 1.5]
+region high = box [0, 6] x [4, 6]
+let clear(a) = a outside one and a outside two
+require a: {formula}
+require b: eventually r in high
+"""
+
+
+@pytest.mark.parametrize(
+    ("formula", "spelt"),
+    [
+        ("always (r outside one and r outside two) swept",
+         "always (r outside one swept and r outside two swept)"),
+        ("always (clear(r)) swept", "always (r outside one swept and r outside two swept)"),
+        ("always (forall o in [one, two]: r outside o) swept",
+         "always (r outside one swept and r outside two swept)"),
+        ("always[0, 7] (r outside ferry) swept", "always[0, 7] r outside ferry swept"),
+        ("always[0, 7] (r.x <= 5 and (r in low and r outside ferry)) swept",
+         "always[0, 7] ((r.x <= 5) swept and (r in low swept and r outside ferry swept))"),
+    ],
+)  # fmt: skip
+def test_a_conjunction_holds_between_samples_where_its_parts_do(formula: str, spelt: str) -> None:
+    """As one condition the pieces at a step stood for a place that moves, or touches others."""
+    found, wanted = (
+        loads(GATE.format(formula=f)).requirements[0].formula for f in (formula, spelt)
+    )
+    assert found == wanted
+    claims = [{n.swept for n in walk(f) if n.swept is not None} for f in (found, wanted)]
+    assert claims[0] == claims[1]
+
+
+def test_no_way_between_obstacles_that_touch_under_one_swept() -> None:
+    with pytest.raises(InfeasibleError):
+        solve(loads(GATE.format(formula="always (r outside one and r outside two) swept")))
+
+
+@pytest.mark.parametrize(
+    "formula", ["(r outside ferry or r.x >= 3) swept", "(clear(r) or r.x >= 3) swept"]
+)
+def test_alternatives_of_what_moves_or_touches_are_refused(formula: str) -> None:
+    with pytest.raises(MissionError) as caught:
+        loads(GATE.format(formula=formula))
+    assert [d.code for d in caught.value.diagnostics] == ["E0412"]
