@@ -16,8 +16,9 @@ from stlc.solve.deadline import Deadline
 from stlc.solve.events import DiagnosticEvent, Listener, StatusEvent
 from stlc.solve.outcome import Outcome, SolveSettings
 
-SLACK = 1e-6
-"""What a cap leaves above a tier's value: a solver's feasibility tolerance, as the verifier's."""
+SLACK = 1e-7
+"""What a cap leaves above a tier's value. Later tiers use it up: well below the 1e-6 within which a
+preference is kept, well above the rounding that would leave no plan."""
 
 Solve = Callable[[Mission, SolveSettings, Deadline], Outcome]
 
