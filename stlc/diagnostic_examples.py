@@ -240,7 +240,7 @@ EXAMPLES: Final[dict[str, tuple[str, str]]] = {
         "prefer a share: always[0, 5] r1 in dock",
     ),
     "E0806": (
-        "require a: always[0, 9000] (r1.x >= 0 m until[0, 9000] r1.y >= 1 m)",
+        "require a: always[0, 20000] (r1.x >= 0 m until[0, 20000] r1.y >= 1 m)",
         "require a: always[0, 5] (r1.x >= 0 m until[0, 5] r1.y >= 1 m)",
     ),
     "E0807": (

@@ -51,10 +51,13 @@ def static_bounds(
     ranges: Mapping[str, Ranges],
     scales: Mapping[str, float] | None = None,
     links: LinkBounds = unknown,
+    found: dict[Node, Interval] | None = None,
 ) -> dict[Node, Interval]:
-    """Bounds of every node of unrolled formulas; robustness in units of `scales[unit]`."""
-    found: dict[Node, Interval] = {}
-    for node in postorder(roots):
+    """Bounds of every node of unrolled formulas; robustness in units of `scales[unit]`.
+
+    `found` are bounds over the same ranges, which those of the other nodes are added to."""
+    found = {} if found is None else found
+    for node in postorder(roots, found):
         found[node] = _bounds(node, found, ranges, scales or {}, links)
     return found
 
@@ -96,11 +99,14 @@ def _bounds(
 
 def opposite_cap(args: Sequence[Node], scales: Mapping[str, float]) -> float:
     """Least k / 2 over pairs of predicates mu, nu with mu + nu = k for all x."""
+    predicates = [node for node in args if isinstance(node, Linear) and node.terms]
+    heads = {node.terms[0] for node in predicates}
+    if not any((signal, -value) in heads for signal, value in heads):
+        return math.inf  # nearly all conjunctions: no two normals are opposite
     least: dict[tuple[object, ...], float] = {}
-    for node in args:
-        if isinstance(node, Linear):
-            key = (node.terms, node.unit)
-            least[key] = min(least.get(key, math.inf), node.constant)
+    for node in predicates:
+        key = (node.terms, node.unit)
+        least[key] = min(least.get(key, math.inf), node.constant)
     cap = math.inf
     for (terms, unit), constant in least.items():
         assert isinstance(terms, tuple)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+
+import numpy as np
 
 from stlc.arrays import Floats
 
@@ -21,3 +23,8 @@ class Ranges:
     input_upper: Floats
     position_lower: Floats
     position_upper: Floats
+
+    def near(self, other: Ranges, tolerance: float) -> bool:
+        """Whether the ends of every interval differ by no more than that."""
+        pairs = ((getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
+        return all(np.allclose(a, b, rtol=0.0, atol=tolerance) for a, b in pairs)

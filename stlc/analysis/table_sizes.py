@@ -15,9 +15,9 @@ from stlc.ir.rewrite import postorder
 from stlc.mission import Channel, Mission, ObjectiveTerm, TermKind
 from stlc.source import Span
 
-PAIRS = 100
+PAIRS = 40
 """Pairs of cells that count as one part of the model. A table of 2 500 x 2 500 cells, 6 million
-pairs, took 1 GB and 6 s; the limit of 200 000 parts allows three times that."""
+pairs, took 1 GB and 6 s; the limit of 500 000 parts allows three times that."""
 _BYTES = 160  # of memory for each pair, at the peak
 _SHARED = ("channel", "quantity", "relation", "threshold", "probability")
 

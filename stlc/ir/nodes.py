@@ -18,7 +18,8 @@ node came from and takes no part in comparison.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from functools import partial
 
 from stlc.ir.claims import Membership
 from stlc.ir.claims import Motion as Motion
@@ -46,6 +47,11 @@ class Node:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_hash", hash((type(self).__name__, self.key)))
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Made anew where it is read: hashes of strings differ from process to process."""
+        values = {f.name: getattr(self, f.name) for f in fields(self) if f.init}
+        return partial(type(self), **values), ()
 
     @property
     def key(self) -> tuple[object, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from stlc.ir.networks import Count, Network
@@ -21,20 +21,25 @@ from stlc.ir.nodes import (
 )
 
 
-def postorder(roots: Iterable[Node]) -> Iterator[Node]:
-    """Every distinct node, children before parents."""
+def postorder(roots: Iterable[Node], known: Container[Node] = ()) -> Iterator[Node]:
+    """Every distinct node, children before parents; none that is `known`, and nothing below it."""
     seen: set[Node] = set()
-    todo: list[tuple[Node, bool]] = [(root, False) for root in reversed(list(roots))]
+    todo: list[Node | tuple[Node]] = []  # a tuple: its children have been seen
+    todo += [*roots][::-1]
     while todo:
-        node, ready = todo.pop()
-        if ready:
-            yield node
+        node = todo.pop()
+        if isinstance(node, tuple):
+            yield node[0]
             continue
-        if node in seen:
+        if node in seen or node in known:
             continue
         seen.add(node)
-        todo.append((node, True))
-        todo.extend((child, False) for child in reversed(node.children))
+        children = node.children
+        if not children:
+            yield node
+            continue
+        todo.append((node,))
+        todo += children[::-1]
 
 
 def with_children(node: Node, children: Sequence[Node]) -> Node:

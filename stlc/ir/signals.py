@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 
 class Role(Enum):
@@ -13,14 +13,18 @@ class Role(Enum):
     INPUT = "input"
     FREE = "free"  # a recorded signal of `stlc monitor`; the owner is its name, the index 0
 
+    __hash__ = object.__hash__  # signals are hashed for every predicate: an enum's own is slow
 
-@dataclass(frozen=True, slots=True)
-class Signal:
-    """One scalar signal, `shift` steps after the step at which the predicate is judged."""
+
+class Signal(NamedTuple):
+    """One scalar signal, `shift` steps after the step at which the predicate is judged.
+
+    A tuple, because formulas hash and compare millions of them.
+    """
 
     owner: str
     role: Role
-    index: int
+    index: int  # type: ignore[assignment]  # a tuple's own method, which no signal needs
     shift: int = 0
 
     @property

@@ -6,13 +6,24 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from stlc.analysis.goals import Goal, goals_of
+from stlc.analysis.bounds import Interval
+from stlc.analysis.goals import Goal, Level, goals_of
 from stlc.analysis.link_tables import LinkTables
 from stlc.analysis.ranges import Ranges
 from stlc.ir.nodes import Link, Node, Not
 from stlc.ir.requirement import Requirement
 from stlc.ir.verify import Stage
 from stlc.mission import Mission
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Decided:
+    """What is known of nodes over certain `ranges`: their static bounds, and for each level those
+    in which nothing is left to decide."""
+
+    ranges: Mapping[str, Ranges] = field(default_factory=dict)
+    bounds: dict[Node, Interval] = field(default_factory=dict)
+    settled: dict[Level, set[Node]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,6 +38,7 @@ class Program:
     ranges: Mapping[str, Ranges] = field(default_factory=dict)
     tables: LinkTables | None = None
     goals: tuple[Goal, ...] = ()
+    decided: Decided = field(default_factory=Decided)
 
     def known_goals(self) -> tuple[Goal, ...]:
         """Robustness columns with the best ends that the ranges and earlier passes give."""

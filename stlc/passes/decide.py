@@ -28,7 +28,7 @@ from stlc.ir.nodes import And, Const, Linear, Link, Node, Not, Or
 from stlc.ir.requirement import Requirement
 from stlc.ir.rewrite import postorder, with_children
 from stlc.ir.verify import Stage
-from stlc.passes.base import Pass, Program
+from stlc.passes.base import Decided, Pass, Program
 from stlc.passes.fold import fold
 
 _ROUNDS = 3
@@ -40,7 +40,10 @@ def run(program: Program) -> Program:
     program = _decide(program)  # before narrowing: one requirement alone is the clearer error
     for _ in range(_ROUNDS):
         before = program
-        program = _decide(_narrow(program))
+        narrowed = _narrow(program)
+        if narrowed is program:
+            return program
+        program = _decide(narrowed)
         if program.formulas == before.formulas:
             return program
     return program
@@ -52,7 +55,9 @@ def _narrow(program: Program) -> Program:
         for requirement in program.requirements
         for node in _asserted(requirement.formula)
     ]
-    return replace(program, ranges=reach(program.mission, musts, program.ranges))
+    ranges = reach(program.mission, musts, program.ranges)
+    same = all(ranges[n].near(known, _TOLERANCE) for n, known in program.ranges.items())
+    return program if same else replace(program, ranges=ranges)
 
 
 def _asserted(root: Node) -> list[Linear]:
@@ -68,18 +73,21 @@ def _asserted(root: Node) -> list[Linear]:
 
 def _decide(program: Program) -> Program:
     """One round over the present ranges; Unreachable where a requirement has become false."""
-    links = program.link_bounds
+    memo = program.decided
+    if memo.ranges is not program.ranges:
+        memo = Decided(program.ranges)
     goals = program.known_goals()
-    bounds = static_bounds(program.formulas, program.ranges, None, links)
+    static_bounds(program.formulas, program.ranges, None, program.link_bounds, memo.bounds)
     known: dict[Node, Node] = {}
     formulas = []
     for requirement in program.requirements:
         level = level_of(requirement, goals)
-        formula = _decided(requirement, level, bounds, known)
+        settled = memo.settled.setdefault(level, set())
+        formula = _decided(requirement, level, memo.bounds, known, settled)
         if formula == Const(False):
             refuse(requirement)
         formulas.append(formula)
-    return replace(program.with_formulas(formulas), goals=goals)
+    return replace(program.with_formulas(formulas), goals=goals, decided=memo)
 
 
 def _decided(
@@ -87,10 +95,12 @@ def _decided(
     level: Level,
     bounds: Mapping[Node, Interval],
     known: dict[Node, Node],
+    settled: set[Node],
 ) -> Node:
-    """A requirement's formula with true and false in place of what the bounds decide."""
+    """A requirement's formula with true and false in place of what the bounds decide; nodes
+    `settled` stay as they are, and those that this leaves as they are join them."""
     done: dict[Node, Node] = {}
-    for node in postorder([requirement.formula]):
+    for node in postorder([requirement.formula], settled):
         low, high = bounds[node]
         if high < requirement.margin - _TOLERANCE:
             built: Node = Const(False, span=node.span)
@@ -98,11 +108,12 @@ def _decided(
             free = low >= level.ceiling(unit_of(node))
             built = Const(True, span=node.span) if free else node
         elif isinstance(node, And | Or | Count) or _is_graph(node):
-            built = fold(with_children(node, [done[c] for c in node.children]))
+            built = fold(with_children(node, [done.get(c, c) for c in node.children]))
         else:
             built = node
         done[node] = known.setdefault(built, built)
-    return done[requirement.formula]
+    settled.update(node for node, built in done.items() if built is node)
+    return done.get(requirement.formula, requirement.formula)
 
 
 def _is_graph(node: Node) -> bool:

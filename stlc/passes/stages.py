@@ -35,6 +35,8 @@ _PRECISION = 2e-6  # of the capped robustness
 def run(program: Program) -> Program:
     """Prune every requirement."""
     found = find_stages(program.mission, program.requirements, program.ranges)
+    if not found:
+        return program
     pruned: dict[Node, Node] = {}
     for stages in found.values():
         pruned.update(_pruned(stages))
@@ -48,8 +50,6 @@ def run(program: Program) -> Program:
     for name, stages in found.items():
         ranges[name] = _narrowed(stages, ranges[name])
     result = replace(program.with_formulas(formulas), ranges=ranges)
-    if not found:
-        return result
     return replace(result, goals=tuple(_capped(result, g) for g in result.known_goals()))
 
 

@@ -44,6 +44,7 @@ from stlc.ir.nodes import (
     Not,
     Or,
     Release,
+    Signal,
     Timed,
     Until,
 )
@@ -224,8 +225,11 @@ def _moved(node: Linear | Link | Not, step: int) -> Node:
         return node
     match node:
         case Linear(terms=terms):
-            moved = tuple((replace(s, shift=s.shift + step), v) for s, v in terms)
-            return replace(node, terms=moved)
+            moved = tuple((Signal(s.owner, s.role, s.index, s.shift + step), v) for s, v in terms)
+            return Linear(
+                moved, node.constant, node.unit, span=node.span, swept=node.swept,
+                member=node.member, norms=node.norms,
+            )  # fmt: skip
         case Link(shift=shift):
             return replace(node, shift=shift + step)
         case Not(arg=arg):

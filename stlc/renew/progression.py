@@ -139,7 +139,7 @@ class Progression:
             if past:
                 constant += factor * self.value(signal, at)
             else:
-                ahead.append((replace(signal, shift=at - self.now), factor))
+                ahead.append((signal._replace(shift=at - self.now), factor))
         terms = tuple(sorted(ahead, key=lambda item: item[0].key))
         return Linear(terms, constant, node.unit, span=node.span)
 

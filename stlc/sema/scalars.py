@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from math import isfinite
 
+from stlc.ir.signals import Signal
 from stlc.sema import units
 from stlc.sema.name_errors import DivisionByZero, Nonlinear, TooManyPieces
 from stlc.sema.report import Mistake
@@ -131,9 +132,14 @@ def scale(a: Scalar, factor: float, unit: Unit | None) -> Scalar:
 
 def ahead(a: Scalar, steps: int) -> Scalar:
     """The value of `a` that many steps later."""
-    terms = tuple((replace(k, shift=k.shift + steps), v) for k, v in a.terms)
+    terms = tuple((_later(atom, steps), v) for atom, v in a.terms)
     folds = tuple((Fold(f.kind, tuple(ahead(x, steps) for x in f.args)), c) for f, c in a.folds)
     return Scalar(a.constant, terms, folds, a.unit)
+
+
+def _later(atom: Atom, steps: int) -> Atom:
+    shift = atom.shift + steps
+    return atom._replace(shift=shift) if isinstance(atom, Signal) else replace(atom, shift=shift)
 
 
 def multiply(a: Scalar, b: Scalar, span: Span) -> Scalar:

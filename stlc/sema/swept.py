@@ -191,15 +191,15 @@ def _bezier(
     if signal.role is not Role.STATE or (index == stage == 0):
         return [(signal, 1.0)], 0.0
     if index == parts - 1 and stage == degree:
-        return [(replace(signal, shift=signal.shift + 1), 1.0)], 0.0
+        return [(signal._replace(shift=signal.shift + 1), 1.0)], 0.0
     found = known_curve(scope.agents[signal.owner], scope, span, parts)
     row = found.points(degree)[index, stage, signal.index]
     n = len(scope.agents[signal.owner].dynamics.states)
     terms = [
         (
-            replace(signal, role=Role.STATE, index=int(k))
+            signal._replace(role=Role.STATE, index=int(k))
             if k < n
-            else replace(signal, role=Role.INPUT, index=int(k) - n),
+            else signal._replace(role=Role.INPUT, index=int(k) - n),
             float(row[k]),
         )
         for k in np.flatnonzero(row[:-1])

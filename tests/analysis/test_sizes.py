@@ -14,7 +14,7 @@ from stlc.passes import horizon, nnf, unroll
 from stlc.passes.base import Program
 
 AGENT = "agent r : double_integrator { start (1, 1); control |u| <= 1 }\n"
-LONG = AGENT + "require a: always[0, 30000] (r.x >= 0 m until[0, 30000] r.y >= 1 m)\n"
+LONG = AGENT + "require a: always[0, 60000] (r.x >= 0 m until[0, 60000] r.y >= 1 m)\n"
 
 
 @pytest.mark.parametrize(
@@ -44,7 +44,7 @@ def test_too_large_a_model_is_refused_at_what_is_largest() -> None:
     assert found.code == "E0806"
     assert found.span is not None
     assert found.span.line == 2
-    many = "horizon 3000\nagent u[1..60] : double_integrator { start (i, 1); control |u| <= 1 }\n"
+    many = "horizon 3000\nagent u[1..90] : double_integrator { start (i, 1); control |u| <= 1 }\n"
     with pytest.raises(MissionError, match="E0806"):
         check_size(loads(many + "require a: eventually u[1].x >= 2 m\n"))
 

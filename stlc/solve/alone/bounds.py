@@ -16,17 +16,20 @@ from dataclasses import replace
 import numpy as np
 
 from stlc.arrays import Ints
-from stlc.backends.base import Capability, Solution, SolveOptions, Status
+from stlc.backends.base import Capability, Solution, Status
 from stlc.errors import InfeasibleError, SolverError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.milp.model import Block, Model, Origin
 from stlc.mission import TermKind
 from stlc.solve import tuning
+from stlc.solve.alone.pieces import Pieces
 from stlc.solve.alone.project import project
 from stlc.solve.alone.run import LoneRun, Run
+from stlc.solve.deadline import Deadline
 from stlc.solve.strategy import Work
 
 _SLACK = 1e-6  # relative: solvers satisfy rows to within about this
+_OPEN = (Status.FEASIBLE, Status.NO_SOLUTION)  # more may be found in more time
 _NEEDED = Capability.TIME_LIMIT | Capability.GAP
 
 
@@ -39,32 +42,59 @@ def has_lone_runs(work: Work) -> bool:
 
 
 def lone_runs(work: Work) -> tuple[LoneRun, ...]:
-    """Each agent of a team alone, as far as the time goes."""
-    found = (_alone(work, name) for name in work.compiled.mission.agents)
-    return tuple(lone for lone in found if lone is not None)
+    """Each agent of a team alone, as far as the time goes: all of them are looked at first, then
+    those that need longer share the rest."""
+    pieces = Pieces.of(work.compiled.mission)
+    names = list(work.compiled.mission.agents)
+    alone = {name: one for name in names if (one := _alone(work, name, pieces)) is not None}
+    deadline = work.deadline.share(tuning.LONE.share)
+    found: dict[str, Solution] = {}
+    for moment in (deadline.share(tuning.LONE.first), deadline):
+        todo = [n for n in alone if n not in found or found[n].status in _OPEN]
+        for k, name in enumerate(todo):
+            limit = moment.share(1.0 / (len(todo) - k), tuning.LONE.seconds)
+            known = found.get(name)
+            found[name] = _better(known, _look(work, alone[name], known, limit))
+    told = (_told(name, alone[name], found[name]) for name in alone)
+    return tuple(one for one in told if one is not None)
 
 
-def _alone(work: Work, name: str) -> LoneRun | None:
-    """One agent's bound and run, its mission solved without the others; None where that says
-    nothing."""
+def _alone(work: Work, name: str, pieces: Pieces) -> Compiled | None:
+    """One agent's mission without the others; None where that says nothing."""
     compiled = work.compiled
-    mission = project(compiled.mission, (name,), compiled.channels)
+    mission = project(compiled.mission, (name,), compiled.channels, pieces)
     if not mission.objective or work.deadline.over():
         return None
     try:
-        alone = compile_mission(mission, CompileOptions(link=compiled.link))
-        found = work.backend.solve(alone.model, brief(work, 0.1 * work.options.gap))
-    except (InfeasibleError, SolverError):
+        return compile_mission(mission, CompileOptions(link=compiled.link))
+    except InfeasibleError:
         return None  # it shows again, and is told, when the whole mission is solved
-    if found.bound is None or found.status not in (Status.OPTIMAL, Status.FEASIBLE):
+
+
+def _look(work: Work, alone: Compiled, known: Solution | None, moment: Deadline) -> Solution:
+    """A solve of one agent alone, from the point of an earlier one."""
+    start = known.x if known is not None and work.can(Capability.START) else None
+    asked = replace(moment.bind(work.options), gap=0.1 * work.options.gap, start=start)
+    try:
+        return work.backend.solve(alone.model, replace(asked, on_progress=None))
+    except SolverError:
+        return Solution(Status.FAILED)
+
+
+def _better(first: Solution | None, second: Solution) -> Solution:
+    """The second look at an agent with what the first one knew better."""
+    if first is None or second.status is Status.OPTIMAL:
+        return second
+    bounds = [one.bound for one in (first, second) if one.bound is not None]
+    points = [one for one in (first, second) if one.x is not None]
+    best = min(points, key=lambda one: float(one.objective or 0.0), default=first)
+    return replace(best, bound=max(bounds, default=None))
+
+
+def _told(name: str, alone: Compiled, found: Solution) -> LoneRun | None:
+    if found.bound is None or found.status not in (Status.OPTIMAL, *_OPEN):
         return None
     return LoneRun(name, found.bound, _run(alone, found, name))
-
-
-def brief(work: Work, gap: float) -> SolveOptions:
-    """Options of a solve on the way: a small share of the time, nothing reported."""
-    asked = work.deadline.share(tuning.LONE.share, tuning.LONE.seconds).bind(work.options)
-    return replace(asked, gap=gap, start=None, on_progress=None)
 
 
 def _run(compiled: Compiled, found: Solution, name: str) -> Run | None:

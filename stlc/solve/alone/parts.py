@@ -28,6 +28,7 @@ from stlc.mission import Mission
 from stlc.solve import tuning
 from stlc.solve.alone.bounds import has_lone_runs, safe, with_rows
 from stlc.solve.alone.loosened import loosened
+from stlc.solve.alone.pieces import Pieces
 from stlc.solve.alone.project import project
 from stlc.solve.deadline import Deadline
 from stlc.solve.strategy import Strategy, Work
@@ -44,10 +45,15 @@ class Part:
     bound: float
 
 
-def parted(compiled: Compiled, group: Group, meeting: Collection[frozenset[str]]) -> Mission:
+def parted(
+    compiled: Compiled,
+    group: Group,
+    meeting: Collection[frozenset[str]],
+    pieces: Pieces | None = None,
+) -> Mission:
     """The mission of a group without the others, links loosened; only the pairs `meeting` are
     kept apart."""
-    mission = project(compiled.mission, group, compiled.channels)
+    mission = project(compiled.mission, group, compiled.channels, pieces)
 
     def left(node: Node) -> Node:
         if not isinstance(node, Linear):
@@ -84,6 +90,7 @@ class Parts:
     deadline: Deadline
     couplings: Couplings
     meeting: frozenset[frozenset[str]]
+    pieces: Pieces
     found: list[Part]
 
     @staticmethod
@@ -94,7 +101,8 @@ class Parts:
         alike = couplings.get_along
         meeting = [p for p in combinations(runs, 2) if not alike(*p, runs)]
         alone = [Part((one.agent,), safe(one.bound)) for one in work.lone]
-        return Parts(work, deadline, couplings, frozenset(map(frozenset, meeting)), alone)
+        pieces = Pieces.of(work.compiled.mission)
+        return Parts(work, deadline, couplings, frozenset(map(frozenset, meeting)), pieces, alone)
 
     def run(self) -> Work:
         """The work with the rows of all groups that the time allows for, and their bound."""
@@ -131,7 +139,7 @@ class Parts:
         moment = self.deadline.share(1.0 / left, tuning.PARTS.seconds)
         asked = replace(moment.bind(self.work.options), start=None, on_progress=None)
         try:
-            made = compile_mission(parted(self.work.compiled, group, self.meeting))
+            made = compile_mission(parted(self.work.compiled, group, self.meeting, self.pieces))
             team = with_parts(made, self.found)
             got = self.work.backend.solve(team.model, replace(asked, gap=tuning.PARTS.gap))
         except (InfeasibleError, SolverError):

@@ -16,22 +16,28 @@ from stlc.ir.nodes import Const, Linear, Link, Node, Not, walk
 from stlc.ir.requirement import Requirement
 from stlc.ir.rewrite import rewrite
 from stlc.mission import Mission, ObjectiveTerm, TermKind
-from stlc.passes import nnf
-from stlc.passes.base import Program
 from stlc.scales import static_range
+from stlc.solve.alone.pieces import Pieces
 
 _TRUE = Const(True)
 
 
-def project(mission: Mission, team: Collection[str], channels: ChannelTables) -> Mission:
-    """The relaxation of a mission to the agents of `team`; of its objective the effort alone."""
-    program = nnf.run(Program(mission.requirements, mission))
+def project(
+    mission: Mission,
+    team: Collection[str],
+    channels: ChannelTables,
+    pieces: Pieces | None = None,
+) -> Mission:
+    """The relaxation of a mission to the agents of `team`; of its objective the effort alone. Its
+    `pieces` are worked out where they are not known."""
+    pieces = Pieces.of(mission) if pieces is None else pieces
     others = set(mission.agents) - set(team)
-    formulas = rewrite(program.formulas, lambda node: _taken(node, others))
+    asked = tuple(pieces.about(team))
+    formulas = rewrite([one.formula for one in asked], lambda node: _taken(node, others))
     return replace(
         mission,
         agents={name: agent for name, agent in mission.agents.items() if name in team},
-        requirements=tuple(_left(mission.requirements, formulas)),
+        requirements=tuple(_left(asked, formulas)),
         objective=tuple(_efforts(mission, team, channels)),
     )
 

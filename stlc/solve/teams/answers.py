@@ -14,6 +14,7 @@ from stlc.backends.base import Backend, Capability, Progress, SolveOptions, Stat
 from stlc.errors import InfeasibleError, SolverError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.solve.alone.bounds import bounded
+from stlc.solve.alone.pieces import Pieces
 from stlc.solve.alone.run import LoneRun, Run
 from stlc.solve.deadline import Deadline
 from stlc.solve.mip_start import hold
@@ -54,13 +55,15 @@ class Answers:
     backend: Backend
     options: SolveOptions
     couplings: Couplings
+    pieces: Pieces
     lone: tuple[LoneRun, ...] = ()
 
     @staticmethod
     def of(work: Work) -> Answers:
         """Those of a solve under way."""
-        couplings = Couplings.of(work.compiled)
-        return Answers(work.compiled, work.backend, work.options, couplings, work.lone)
+        compiled = work.compiled
+        couplings, pieces = Couplings.of(compiled), Pieces.of(compiled.mission)
+        return Answers(compiled, work.backend, work.options, couplings, pieces, work.lone)
 
     def find(
         self, free: Sequence[str], runs: Runs, effort: Effort, met: frozenset[str] = frozenset()
@@ -96,7 +99,8 @@ class Answers:
             self.options, gap=effort.gap, start=None, time_limit=effort.deadline.limit,
             on_progress=first.see, should_stop=first.stop,
         )  # fmt: skip
-        mission = against(self.compiled.mission, free, held, self.compiled.channels)
+        whole, tables = self.compiled.mission, self.compiled.channels
+        mission = against(whole, free, held, tables, pieces=self.pieces)
         try:
             team = compile_mission(mission, CompileOptions(link=self.compiled.link))
             team = bounded(team, [one for one in self.lone if one.agent in free])

@@ -15,8 +15,8 @@ from stlc.ir.networks import Count, Network
 from stlc.ir.nodes import And, Const, Linear, Link, Node, Or, Role, walk
 from stlc.milp.compile import Compiled
 from stlc.mission import TermKind
+from stlc.solve.alone.pieces import named
 from stlc.solve.alone.run import Run
-from stlc.solve.teams.held import named
 
 _BINDING = Link | Count | Network
 _MISS = 1e-6  # what a certified plan may miss a predicate by

@@ -34,9 +34,8 @@ from stlc.ir.nodes import (
 from stlc.ir.requirement import Requirement
 from stlc.ir.rewrite import rewrite
 from stlc.mission import Channel, Mission, ObjectiveTerm, Station, TermKind
-from stlc.passes import nnf
-from stlc.passes.base import Program
 from stlc.scales import static_range
+from stlc.solve.alone.pieces import Pieces, named
 from stlc.solve.alone.run import Run
 
 _TRUE = Const(True)
@@ -50,15 +49,17 @@ def against(
     channels: ChannelTables,
     *,
     costs: bool = True,
+    pieces: Pieces | None = None,
 ) -> Mission:
-    """The mission of `team` with the agents of `runs` held; without `costs`, no objective.
+    """The mission of `team` with the agents of `runs` held; without `costs`, no objective. Its
+    `pieces` are worked out where they are not known.
 
     Of the objective it keeps effort and link costs. The result is to be compiled only: its links
     are tables of channels that no file knows.
     """
     held = _Held(mission, frozenset(team), runs, channels)
-    program = nnf.run(Program(mission.requirements, mission))
-    requirements = tuple(held.left(program.requirements))
+    pieces = Pieces.of(mission) if pieces is None else pieces
+    requirements = tuple(held.left(pieces.about(team)))
     objective = tuple(held.objective()) if costs else ()
     return replace(
         mission,
@@ -85,16 +86,11 @@ class _Held:
     def left(self, requirements: Iterable[Requirement]) -> Iterator[Requirement]:
         """What the requirements ask of the free agents."""
         for requirement in requirements:
-            if not self._concerns(requirement.formula):
-                continue
             formula = requirement.formula
             for visit in (self._negated, self._settled):
                 (formula,) = rewrite((formula,), partial(visit, margin=requirement.margin))
             if any(isinstance(node, Linear | Link) for node in walk(formula)):
                 yield replace(requirement, formula=formula)
-
-    def _concerns(self, formula: Node) -> bool:
-        return any(not self.team.isdisjoint(named(node)) for node in walk(formula))
 
     def _negated(self, node: Node, margin: float) -> Node:
         if isinstance(node, Not) and isinstance(node.arg, Link):
@@ -241,16 +237,6 @@ class _Held:
             row = _seen(table, self._cells(term.channel, pair, t), np.min)
             channel, ends = self._channel(term.channel, pair, row)
             yield replace(term, channel=channel, pairs=(ends,), window=(t, t))
-
-
-def named(node: Node) -> frozenset[str]:
-    """Owners of a predicate's signals, ends of a link; nobody for any other node."""
-    match node:
-        case Linear(terms=terms):
-            return frozenset(signal.owner for signal, _ in terms)
-        case Link(sender=sender, receiver=receiver):
-            return frozenset((sender, receiver))
-    return frozenset()
 
 
 def _late(signal: Signal) -> int:
