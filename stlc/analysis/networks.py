@@ -24,12 +24,22 @@ _FAINT, _HEAVIEST = 1e-300, 1e9  # least quality, most cost: what never delivers
 def value(node: Count | Network, args: Sequence[float]) -> float:
     """Robustness of the node where its arguments have these."""
     if isinstance(node, Count):
-        return sorted(args, reverse=True)[node.least - 1]
+        return _counted(node, args)
     if node.composed:
         return _composed(node, args)
     if node.cut:  # the dual, of negated arguments
         return -_widest(node, [-a for a in args])
     return _widest(node, args)
+
+
+def _counted(node: Count, args: Sequence[float]) -> float:
+    """The largest level that arguments of enough weight reach."""
+    missing = node.least
+    for value_, share in sorted(zip(args, node.shares, strict=True), reverse=True):
+        missing -= share
+        if missing <= 0:
+            return value_
+    raise AssertionError("a count asks for no more than there is")
 
 
 def weights(link: Link, robustness: ArrayLike) -> Floats:

@@ -1,6 +1,7 @@
 """Formulas over a whole network: how many hold, which links join the radios.
 
-* `Count(args, k)`: at least k of the arguments; rho is their k-th largest.
+* `Count(args, k)`: at least k of the arguments; rho is their k-th largest. With `weights`,
+  arguments that weigh at least k together; rho is the largest that so many reach.
 * `Network(args, ends, vertices, hops)`: a graph without directions whose edge e, between the
   vertices `ends[e]`, is there where `args[e]` holds. Without `hops` it joins all vertices: rho is
   the bottleneck of a maximum spanning tree. With `hops` it leads from vertex 0 to vertex 1 over at
@@ -27,15 +28,22 @@ Ends = tuple[int, int]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Count(Node):
-    """At least `least` of the arguments, 1 <= least <= len(args)."""
+    """At least `least` of the arguments, 1 <= least <= len(args); or arguments whose `weights`, of
+    at least 1 each, add up to `least`."""
 
     args: tuple[Node, ...]
     least: int
+    weights: tuple[int, ...] = ()
 
     @property
     def key(self) -> tuple[object, ...]:
-        """The arguments and how many of them."""
-        return (*self.args, self.least)
+        """The arguments, how many of them, and what they weigh."""
+        return (*self.args, self.least, self.weights)
+
+    @property
+    def shares(self) -> tuple[int, ...]:
+        """What each argument counts."""
+        return self.weights or (1,) * len(self.args)
 
     @property
     def children(self) -> tuple[Node, ...]:
@@ -77,7 +85,7 @@ COMPOSABLE = frozenset({Quantity.PRR, Quantity.BER, Quantity.BER_AT_MEAN, Quanti
 
 def negated_count(node: Count, negated: Sequence[Node]) -> Count:
     """Of n arguments fewer than k hold where n - k + 1 of their negations do."""
-    return replace(node, args=tuple(negated), least=len(node.args) - node.least + 1)
+    return replace(node, args=tuple(negated), least=sum(node.shares) - node.least + 1)
 
 
 def negated_network(node: Network, negated: Sequence[Node]) -> Network:
@@ -96,10 +104,15 @@ def uncomposed(node: Network) -> Node:
 
 def counted(node: Count) -> Node:
     """A count without arguments that are known; a constant where that decides it."""
-    open_ = tuple(a for a in node.args if not isinstance(a, Const))
-    least = node.least - sum(a == Const(True) for a in node.args)
+    known = dict(zip(range(len(node.args)), node.args, strict=True))
+    open_ = [k for k, a in known.items() if not isinstance(a, Const)]
+    shares = node.shares
+    least = node.least - sum(shares[k] for k, a in known.items() if a == Const(True))
     if least <= 0:
         return Const(True, span=node.span)
-    if least > len(open_):
+    if least > sum(shares[k] for k in open_):
         return Const(False, span=node.span)
-    return node if open_ == node.args else replace(node, args=open_, least=least)
+    if len(open_) == len(node.args):
+        return node
+    weights = tuple(shares[k] for k in open_) if node.weights else ()
+    return replace(node, args=tuple(known[k] for k in open_), least=least, weights=weights)

@@ -204,11 +204,20 @@ class _Reader:
         return found
 
     def count(self) -> Count:
-        """`[least](NODE, ...)`."""
+        """`[least](NODE, ...)`, each NODE behind its weight if it has one."""
         self.take("[")
         least = int(self.number())
         self.take("]")
-        return Count(tuple(self.arguments()), least)
+        self.take("(")
+        weights: list[int] = []
+        found: list[Node] = []
+        while not self.skip(")"):
+            if found:
+                self.take(",")
+            if self.peek()[0].isdigit():
+                weights.append(int(self.number()))
+            found.append(self.node())
+        return Count(tuple(found), least, tuple(weights))
 
     def network(self, word: str) -> Network:
         """`[hops : vertex, ...](end end NODE, ...)`; hops may be left out."""

@@ -105,9 +105,12 @@ def _text(node: Node, texts: dict[Node, str]) -> str:
 
 
 def _network(node: Count | Network, texts: dict[Node, str]) -> str:
-    """`count[2](f, g, h)`; `joined[3 : a, b](0 1 f, ..)`: hops, vertices, edges with their ends."""
+    """`count[2](f, g, h)`, `count[5](3 f, 2 g)` with weights; `joined[3 : a, b](0 1 f, ..)`: hops,
+    vertices, edges with their ends."""
     if isinstance(node, Count):
-        return f"count[{node.least}]({', '.join(texts[c] for c in node.args)})"
+        weights = (f"{w} " for w in node.weights) if node.weights else ("",) * len(node.args)
+        parts = (f"{w}{texts[c]}" for w, c in zip(weights, node.args, strict=True))
+        return f"count[{node.least}]({', '.join(parts)})"
     word = ("relayed" if node.composed else "joined", "unrelayed" if node.composed else "parted")
     hops = "" if node.hops is None else f"{node.hops} : "
     edges = (f"{a} {b} {texts[c]}" for (a, b), c in zip(node.ends, node.args, strict=True))

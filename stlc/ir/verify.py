@@ -79,13 +79,20 @@ def _fault(node: Node, horizon: int, stage: Stage) -> str:
         case Not(arg=arg):
             bare = isinstance(arg, Link) and arg.probability is not None
             return "" if bare or stage < Stage.NNF else "negation of a formula after nnf"
-        case Count(least=least):
-            return "" if 1 <= least <= len(node.args) else f"a count of {least} of {len(node.args)}"
+        case Count():
+            return _count_fault(node)
         case Network():
             return _network_fault(node)
         case Implies() | Iff():
             return "" if stage < Stage.NNF else f"{type(node).__name__} after nnf"
     return ""
+
+
+def _count_fault(node: Count) -> str:
+    if node.weights and (len(node.weights) != len(node.args) or min(node.weights) < 1):
+        return "a count with other weights than one of at least 1 for each argument"
+    most = sum(node.shares)
+    return "" if 1 <= node.least <= most else f"a count of {node.least} of {most}"
 
 
 def _network_fault(node: Network) -> str:

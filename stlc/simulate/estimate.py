@@ -19,11 +19,12 @@ _WIDTH = 40
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Estimate:
-    """What the draws say of one requirement.
+    """What the draws say of one requirement or preference.
 
     `hold` of `draws` draws satisfy it; `low` and `high` bound its probability at the level of
     confidence asked for; `certain` where nothing in it is random, so that all draws are alike.
-    `robustness` (draws,), in the unit `unit`; None where the requirement can't be judged.
+    `robustness` (draws,), in the unit `unit`; None where the requirement can't be judged, and for
+    preferences: of those `violation` is the mean violation, in their unit, None if not judged.
     """
 
     name: str
@@ -35,6 +36,7 @@ class Estimate:
     certain: bool
     robustness: Array | None = None
     unit: str = ""
+    violation: float | None = None
 
     @property
     def probability(self) -> float:
@@ -47,6 +49,8 @@ class Estimate:
             "name": self.name, "margin": self.margin, "probability": self.probability,
             "low": self.low, "high": self.high, "hold": self.hold, "certain": self.certain,
         }  # fmt: skip
+        if self.violation is not None:
+            found |= {"violation": self.violation, "unit": self.unit}
         if self.robustness is not None:
             values = np.quantile(self.robustness, LEVELS, method="lower")
             found |= {"unit": self.unit, "mean": float(self.robustness.mean())}
@@ -58,7 +62,8 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Simulation:
-    """All requirements of a mission, and `joint`: every one of them in the same draw."""
+    """All requirements of a mission, and `joint`: every one of them in the same draw. Of
+    `preferences`, how often each is kept."""
 
     mission: str
     draws: int
@@ -67,6 +72,7 @@ class Simulation:
     requirements: tuple[Estimate, ...]
     joint: Estimate
     notes: tuple[str, ...]
+    preferences: tuple[Estimate, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Plain JSON values."""
@@ -75,16 +81,18 @@ class Simulation:
             "confidence": self.confidence,
             "requirements": [e.as_dict() for e in self.requirements],
             "joint": self.joint.as_dict(), "notes": list(self.notes),
+            "preferences": [e.as_dict() for e in self.preferences],
         }  # fmt: skip
 
     def text(self) -> str:
         """The report for a person."""
         rows = [*self.requirements, self.joint]
-        width = max(len(e.name) for e in rows)
+        width = max(len(e.name) for e in (*rows, *self.preferences))
         lines = [
             f"{self.mission}: {self.draws} draws, seed {self.seed}; "
             f"{100 * self.confidence:g} % confidence intervals (Clopper and Pearson)",
             *(_line(e, width) for e in rows),
+            *(f"{_line(e, width)}{_lack(e)}" for e in self.preferences),
         ]
         for e in self.requirements:
             lines += _bars(e)
@@ -118,6 +126,14 @@ def _line(e: Estimate, width: int) -> str:
     if e.certain:
         return f"{head}  whatever chance does"
     return f"{head}  in [{e.low:.4%}, {e.high:.4%}]"
+
+
+def _lack(e: Estimate) -> str:
+    """What is said of a preference beside how often it is kept."""
+    if e.violation is None:
+        return "  preferred"
+    unit = f" {e.unit}" if e.unit else ""
+    return f"  preferred; violated by {e.violation:.4g}{unit} on average"
 
 
 def _bars(e: Estimate) -> list[str]:

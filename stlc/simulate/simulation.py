@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from stlc.ir.nodes import Linear, Link, Node, walk
 from stlc.ir.requirement import Requirement
 from stlc.mission import Mission
 from stlc.plan import Plan
+from stlc.preferences import Measure, Preference
 from stlc.simulate.estimate import Estimate, Simulation, interval
 from stlc.simulate.radio import draw_packets
 from stlc.simulate.runs import Runs, draw_runs, is_noisy
@@ -35,7 +37,8 @@ def simulate(
     confidence: float = 0.95,
     fading: bool = True,
 ) -> Simulation:
-    """The probability of each requirement, jointly over time, and of all of them together.
+    """The probability of each requirement, jointly over time, of all of them together, and of each
+    preference.
 
     In each draw every channel is one draw of its posterior, at the positions of all links and
     steps together, every link predicate is that of one packet (of many packets' mean, with
@@ -49,12 +52,12 @@ def simulate(
         raise UsageError("a simulation needs at least one draw and a confidence between 0 and 1")
     rng = np.random.default_rng(seed)
     runs = draw_runs(mission, plan, draws, rng)
-    formulas = [r.formula for r in mission.requirements]
+    wishes = [p for p in mission.preferences if not p.cost]
+    formulas = [judged.formula for judged in (*mission.requirements, *wishes)]
     packets = draw_packets(mission, runs, formulas, draws, rng, fading)
     trace = Trace(mission.horizon + 1, runs.signals, packets.robustness, many=True)
     evaluator = Evaluator(trace, _certain_motion(mission, swept_override(mission, plan.runs)))
-    values = [evaluator.robustness(formula)[:1] for formula in formulas]
-    judged = list(zip(mission.requirements, values, strict=True))
+    judged = [(r, evaluator.robustness(r.formula)[:1]) for r in mission.requirements]
     holds = [_holds(value, r.margin) for r, value in judged]
     found = [_estimate(r, value, draws, confidence) for r, value in judged]
     for value in _in_workspace(mission, runs):
@@ -67,7 +70,29 @@ def simulate(
     return Simulation(
         mission.source.name, draws, seed, confidence, tuple(found),
         _counted(ALL, 0.0, together, draws, confidence), tuple(_notes(mission, formulas, fading)),
+        tuple(_wished(p, evaluator, draws, confidence) for p in wishes),
     )  # fmt: skip
+
+
+def _wished(p: Preference, evaluator: Evaluator, draws: int, confidence: float) -> Estimate:
+    """How often a preference is kept, and how much it is violated on average."""
+    lack = _lack(p, evaluator)
+    kept = lack <= TOLERANCE  # NaN is none
+    found = _counted(p.name, p.margin, kept, draws, confidence, None, p.unit)
+    mean = float(lack.mean())
+    return replace(found, violation=mean if np.isfinite(mean) else None)
+
+
+def _lack(p: Preference, evaluator: Evaluator) -> Array:
+    """The violation in each draw (D,), or (1,) where all are alike; NaN if it can't be judged."""
+    parts = (p.formula,) if p.measure is Measure.ROBUSTNESS else p.parts
+    values = [evaluator.robustness(part)[:1] for part in parts]
+    if not all(len(value) for value in values):
+        return np.array([np.nan])
+    if p.measure is Measure.ROBUSTNESS:
+        return np.asarray(np.maximum(0.0, p.margin - values[0][0]))
+    missed = [value[0] < p.margin - TOLERANCE for value in values]
+    return np.asarray(p.worth * np.sum(np.broadcast_arrays(*missed), axis=0), dtype=np.float64)
 
 
 def _holds(value: Array, margin: float) -> NDArray[np.bool_]:

@@ -16,9 +16,13 @@ from stlc.verify.trace import Array
 
 
 def counted(node: Count, args: Sequence[Array]) -> Array:
-    """The `least`-th largest of the arguments at each step."""
-    ordered = np.sort(np.stack(np.broadcast_arrays(*args)), axis=0)
-    return np.asarray(ordered[len(args) - node.least])
+    """The `least`-th largest of the arguments at each step, each counted as often as it weighs."""
+    parts = np.stack(np.broadcast_arrays(*args))
+    order = np.argsort(-parts, axis=0, kind="stable")
+    weighed = np.asarray(node.shares)[order].cumsum(axis=0)
+    enough = (weighed >= node.least).argmax(axis=0)
+    found = np.take_along_axis(np.take_along_axis(parts, order, axis=0), enough[None], axis=0)
+    return np.asarray(found[0])
 
 
 def network(node: Network, args: Sequence[Array]) -> Array:

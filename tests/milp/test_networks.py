@@ -59,6 +59,14 @@ def test_counts_hold_for_enough_literals() -> None:
         assert _feasible(node, present, 0)
 
 
+def test_counts_hold_for_literals_that_weigh_enough() -> None:
+    node = Count((Const(True),) * 3, 4, (1, 3, 2))
+    for present in product((0, 1), repeat=3):
+        weighed = sum(w for w, there in zip(node.weights, present, strict=True) if there)
+        assert _feasible(node, present, 1) is (weighed >= 4)
+        assert _feasible(node, present, 0)
+
+
 def _constant(weight: float) -> Affine:
     return Affine(np.empty(0, np.int64), np.empty(0), weight)
 

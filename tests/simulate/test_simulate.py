@@ -265,3 +265,48 @@ def test_the_command(tmp_path: Path) -> None:
     text = stlc("simulate", "m.stl", "p.json", "--seed", "3", folder=tmp_path).stdout
     assert "10000 draws, seed 3" in text
     assert "####" in text
+
+
+def test_preferences_are_kept_as_often_as_the_same_requirement_holds(tmp_path: Path) -> None:
+    """In the same draws: `prefer` beside `require`, by the same formula and margin."""
+    formula = "always[0, 3] rssi(a, b) >= -25 dBm"
+    lines = (f"require r: {formula}", f"prefer p weight 2 margin 1: {formula}")
+    mission = _mission(tmp_path, *lines)
+    found = simulate(mission, _plan(mission), draws=DRAWS, seed=3)
+    (required,), (wished,) = found.requirements, found.preferences
+    assert required.robustness is not None
+    assert wished.hold == int((required.robustness >= 1.0 - 1e-6).sum())
+    assert 0 < wished.hold < required.hold < DRAWS
+    lack = np.maximum(0.0, 1.0 - required.robustness).mean()
+    assert wished.violation == pytest.approx(lack)
+    assert (wished.unit, wished.margin) == ("dB", 1.0)
+    assert found.joint.hold == required.hold  # preferences are none of it
+    assert f"violated by {lack:.4g} dB on average" in found.text()
+    assert found.as_dict()["preferences"][0]["violation"] == pytest.approx(lack)
+
+
+def test_late_and_shared_preferences_count_their_parts(tmp_path: Path) -> None:
+    """A noisy agent: each part by itself is a normal probability."""
+    lines = (
+        "prefer soon late: eventually[0, 2] a.x >= 1.5 m",
+        "prefer kept share: always[1, 4] a.y >= 1 m",
+        "prefer sure: always b.x >= 5 m",
+    )
+    mission = _mission(tmp_path, *lines, a="start_noise 0.2 m")
+    plan = _plan(mission, {"a": [(0.1, 0.0)] * 4})
+    found = simulate(mission, plan, draws=DRAWS, seed=5, confidence=0.9999)
+    soon, kept, sure = found.preferences
+    _sure(soon, float(norm.sf(1.5, 1.2, 0.2)))
+    late = sum(float(norm.cdf(1.5, 1.0 + 0.1 * t, 0.2)) for t in (2, 3, 4))
+    assert soon.violation == pytest.approx(late, rel=0.02)
+    assert soon.unit == "s"
+    _sure(kept, 0.5)
+    assert kept.violation == pytest.approx(0.5, abs=0.02)
+    assert sure.certain
+    assert sure.violation == 0.0
+
+
+def test_costs_that_are_lowered_to_preferences_are_none(tmp_path: Path) -> None:
+    lines = ("require r: eventually a.x >= 0 m", "minimize time(r)")
+    mission = _mission(tmp_path, *lines)
+    assert simulate(mission, _plan(mission), draws=10).preferences == ()

@@ -35,19 +35,26 @@ def _levels(text: str) -> set[float]:
 
 
 @pytest.mark.parametrize(
-    ("inner", "packets"),
+    ("inner", "packets", "shares"),
     [
-        ("always[1, 4] rssi(a, mast) >= -25 dBm", 4),
-        ("rssi(a, mast) >= -25 dBm and rssi(a, relay) >= -40 dBm", 2),
-        ("always[0, 2] (rssi(a, mast) >= -25 dBm and rssi(a, relay) >= -40 dBm)", 6),
-        ("eventually[0, 3] always[0, 1] rssi(a, mast) >= -25 dBm", 2),
-        ("rssi(a, mast) >= -25 dBm or always[0, 2] rssi(a, relay) >= -25 dBm", 3),
-        ("always[0, 1] not rssi(a, mast) >= -5 dBm", 2),
-        ("a.x >= 1 m and rssi(a, mast) >= -60 dBm", 1),
+        ("always[1, 4] rssi(a, mast) >= -25 dBm", 4, (1, 4, 7, 13)),
+        ("rssi(a, mast) >= -25 dBm and rssi(a, relay) >= -40 dBm", 2, (1, 4, 7)),
+        (
+            "always[0, 2] (rssi(a, mast) >= -25 dBm and rssi(a, relay) >= -40 dBm)",
+            6,
+            (1, 4, 10, 19),
+        ),
+        ("eventually[0, 3] always[0, 1] rssi(a, mast) >= -25 dBm", 2, (1, 4, 7)),
+        ("rssi(a, mast) >= -25 dBm or always[0, 2] rssi(a, relay) >= -25 dBm", 3, (1, 4, 10, 12)),
+        ("always[0, 1] not rssi(a, mast) >= -5 dBm", 2, (1, 4, 7)),
+        ("a.x >= 1 m and rssi(a, mast) >= -60 dBm", 1, (4,)),
+        ("always[0, 1] (rssi(a, mast) >= -25 dBm or rssi(a, relay) >= -25 dBm)", 2, (4,)),
+        ("always[0, 99] rssi(a, mast) >= -25 dBm", 100, (4,)),
     ],
 )
-def test_the_risk_is_shared(inner: str, packets: int) -> None:
-    assert _levels(_mission(f"P({inner}) >= 0.9")) == {round(1 - 0.1 / packets, 12)}
+def test_the_risk_is_shared(inner: str, packets: int, shares: tuple[int, ...]) -> None:
+    text = _mission(f"P({inner}) >= 0.9").replace("horizon 4", "horizon 99")
+    assert _levels(text) == {round(1 - 0.1 * m / (4 * packets), 12) for m in shares}
 
 
 @pytest.mark.parametrize("level", [-24, -27])

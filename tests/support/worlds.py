@@ -137,6 +137,10 @@ def formulas(base: st.SearchStrategy[Node]) -> st.SearchStrategy[Node]:
             st.builds(Timed, few),
             st.builds(lambda args, k: Count(args, min(k, len(args))), few, st.integers(1, 3)),
             st.builds(
+                lambda args, w, k: Count(args, min(k, sum(w[: len(args)])), w[: len(args)]),
+                few, st.tuples(*3 * [st.integers(1, 3)]), st.integers(1, 9),
+            ),
+            st.builds(
                 lambda args, hops, cut: Network(args, TRIANGLE, ("p", "q", "r"), hops, cut),
                 three, st.sampled_from([None, 1, 2]), st.booleans(),
             ),

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from stlc.analysis.networks import value
-from stlc.ir.networks import Count, Network
+from stlc.ir.networks import Count, Network, counted
 from stlc.ir.nodes import Const, Link, Node, Quantity, Relation
 from stlc.passes.nnf import _normalise
 from stlc.verify import networks
@@ -119,6 +119,28 @@ def test_a_count_is_the_kth_largest() -> None:
         expected = np.sort(values, axis=0)[::-1][least - 1]
         assert np.array_equal(networks.counted(node, list(values)), expected)
         assert [value(node, v) for v in values.T] == list(expected)
+
+
+def test_weights_count_arguments_several_times() -> None:
+    values = np.random.default_rng(2).normal(size=(4, 20))
+    weights = (2, 1, 3, 1)
+    for least in range(1, 8):
+        node = Count((Const(True),) * 4, least, weights)
+        copies = np.repeat(values, weights, axis=0)
+        expected = np.sort(copies, axis=0)[::-1][least - 1]
+        assert np.array_equal(networks.counted(node, list(values)), expected)
+        assert [value(node, v) for v in values.T] == list(expected)
+        dual = _under_not(node)
+        assert isinstance(dual, Count)
+        assert np.array_equal(networks.counted(dual, list(-values)), -expected)
+
+
+def test_known_arguments_of_a_weighted_count_count() -> None:
+    open_ = _links(Quantity.PRR, Relation.AT_LEAST, 0.7, 3)[:2]
+    node = Count((Const(True), open_[0], Const(False), open_[1]), 5, (3, 2, 4, 1))
+    assert counted(node) == Count(open_, 2, (2, 1))
+    assert counted(Count((Const(True), open_[0]), 3, (3, 1))) == Const(True)
+    assert counted(Count((Const(False), open_[0]), 3, (3, 1))) == Const(False)
 
 
 def _under_not(node: Node) -> Node:

@@ -1,6 +1,6 @@
 """Counts and networks as rows over the literals w of their arguments; P is the parent z, or 1.
 
-    count of k              sum w >= k P
+    count of k              sum w >= k P, each w with its weight
     joined                  an arborescence from vertex 0: arcs y with y_ij + y_ji <= w_e, one arc
                             into every other vertex, and for each of them a unit of flow from vertex
                             0 within y (the cuts of Edmonds' arborescences by flow: Wong 1980); its
@@ -42,8 +42,8 @@ class NetworkRows:
     rows: RowBlock
 
     def count(self, node: Count, w: Sequence[int], z: int | None) -> None:
-        """At least so many of the literals w are 1 where z is (always, for z None)."""
-        self._row(w, [1.0] * len(w), node.least, z)
+        """Literals w that weigh so much are 1 where z is (always, for z None)."""
+        self._row(w, [float(share) for share in node.shares], node.least, z)
 
     def network(self, node: Network, w: Sequence[int], z: int | None) -> None:
         """The literals w of a network's arguments make it hold where z is 1."""

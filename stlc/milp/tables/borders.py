@@ -59,8 +59,11 @@ def _on_border(ctx: Context, place: Place, axis: int, shared: Ints) -> tuple[int
         width = float(np.diff(edges).max())
         cols = ctx.builder.binary(place.name(f"{'xyz'[axis]}_border"), (2,))
         intervals = of_ordered(shared)
-        _at(ctx, place, axis, intervals, edges[1:], int(cols[0]), width)
-        _at(ctx, place, axis, intervals, edges[:-1], int(cols[1]), -width)
+        upper, lower = edges[1:].copy(), edges[:-1].copy()
+        upper[-1] -= width  # beyond the last and before the first interval there is none: to stand
+        lower[0] += width  # there means nothing, and may be out of reach by a tolerance
+        _at(ctx, place, axis, intervals, upper, int(cols[0]), width)
+        _at(ctx, place, axis, intervals, lower, int(cols[1]), -width)
         ctx.memo[key] = (int(cols[0]), int(cols[1]))
     found: tuple[int, int] = ctx.memo[key]
     return found
