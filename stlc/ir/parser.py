@@ -36,20 +36,11 @@ _TOKEN = re.compile(
 )
 _UNIT = re.compile(r"\s*:\s*([^\]]+)\]")
 
-_NARY: dict[str, Callable[[tuple[Node, ...]], Node]] = {
-    "and": And,
-    "or": Or,
-    "timed": Timed,
-}
+_NARY: dict[str, Callable[[tuple[Node, ...]], Node]] = {"and": And, "or": Or, "timed": Timed}
 _FIXED: dict[str, tuple[int, Callable[..., Node]]] = {
-    "not": (1, Not),
-    "implies": (2, Implies),
-    "iff": (2, Iff),
-    "always": (1, Always),
-    "eventually": (1, Eventually),
-    "until": (2, Until),
-    "release": (2, Release),
-}
+    "not": (1, Not), "implies": (2, Implies), "iff": (2, Iff), "always": (1, Always),
+    "eventually": (1, Eventually), "until": (2, Until), "release": (2, Release),
+}  # fmt: skip
 _NETWORKS = ("joined", "parted", "relayed", "unrelayed")
 _TEMPORAL = frozenset({"always", "eventually", "until", "release"})
 
@@ -195,29 +186,31 @@ class _Reader:
 
     def arguments(self) -> list[Node]:
         """`(NODE, NODE, ...)`."""
+        numbers, found = self.numbered()
+        if numbers:
+            raise self.error(f"expected a formula, not {numbers[0]}")
+        return found
+
+    def numbered(self) -> tuple[list[int], list[Node]]:
+        """`(0 1 NODE, 2 NODE, ...)`: the whole numbers before the formulas, and these."""
         self.take("(")
+        numbers: list[int] = []
         found: list[Node] = []
         while not self.skip(")"):
             if found:
                 self.take(",")
+            while self.peek()[0].isdigit():
+                numbers.append(int(self.number()))
             found.append(self.node())
-        return found
+        return numbers, found
 
     def count(self) -> Count:
         """`[least](NODE, ...)`, each NODE behind its weight if it has one."""
         self.take("[")
         least = int(self.number())
         self.take("]")
-        self.take("(")
-        weights: list[int] = []
-        found: list[Node] = []
-        while not self.skip(")"):
-            if found:
-                self.take(",")
-            if self.peek()[0].isdigit():
-                weights.append(int(self.number()))
-            found.append(self.node())
-        return Count(tuple(found), least, tuple(weights))
+        weights, args = self.numbered()
+        return Count(tuple(args), least, tuple(weights))
 
     def network(self, word: str) -> Network:
         """`[hops : vertex, ...](end end NODE, ...)`; hops may be left out."""
@@ -229,14 +222,10 @@ class _Reader:
         while self.skip(","):
             vertices.append(self.name())
         self.take("]")
-        self.take("(")
-        ends: list[tuple[int, int]] = []
-        args: list[Node] = []
-        while not self.skip(")"):
-            if args:
-                self.take(",")
-            ends.append((int(self.number()), int(self.number())))
-            args.append(self.node())
+        numbers, args = self.numbered()
+        if len(numbers) != 2 * len(args):
+            raise self.error(f"{word} takes the two ends of each of its {len(args)} edges")
+        ends = zip(numbers[::2], numbers[1::2], strict=True)
         composed, cut = (bool(k) for k in divmod(_NETWORKS.index(word), 2))
         return Network(tuple(args), tuple(ends), tuple(vertices), hops, cut, composed)
 

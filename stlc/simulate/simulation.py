@@ -53,22 +53,19 @@ def simulate(
     rng = np.random.default_rng(seed)
     runs = draw_runs(mission, plan, draws, rng)
     wishes = [p for p in mission.preferences if not p.cost]
-    formulas = [judged.formula for judged in (*mission.requirements, *wishes)]
+    formulas = [r.formula for r in mission.requirements] + [p.formula for p in wishes]
     packets = draw_packets(mission, runs, formulas, draws, rng, fading)
     trace = Trace(mission.horizon + 1, runs.signals, packets.robustness, many=True)
     evaluator = Evaluator(trace, _certain_motion(mission, swept_override(mission, plan.runs)))
     judged = [(r, evaluator.robustness(r.formula)[:1]) for r in mission.requirements]
-    holds = [_holds(value, r.margin) for r, value in judged]
-    found = [_estimate(r, value, draws, confidence) for r, value in judged]
-    for value in _in_workspace(mission, runs):
-        holds.append(_holds(value, 0.0))
-        rule = Requirement(WORKSPACE, Linear((), 0.0, "m"))
-        found.append(_estimate(rule, value, draws, confidence))
+    rule = Requirement(WORKSPACE, Linear((), 0.0, "m"))
+    judged += [(rule, value) for value in _in_workspace(mission, runs)]
     together = np.ones(1, dtype=bool)
-    for hold in holds:
-        together = together & hold
+    for r, value in judged:
+        together = together & _holds(value, r.margin)
     return Simulation(
-        mission.source.name, draws, seed, confidence, tuple(found),
+        mission.source.name, draws, seed, confidence,
+        tuple(_estimate(r, value, draws, confidence) for r, value in judged),
         _counted(ALL, 0.0, together, draws, confidence), tuple(_notes(mission, formulas, fading)),
         tuple(_wished(p, evaluator, draws, confidence) for p in wishes),
     )  # fmt: skip

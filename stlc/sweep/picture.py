@@ -1,4 +1,4 @@
-"""A sweep as a picture: cost over a parameter, or one cost over another."""
+"""A sweep as a picture: cost over a parameter, over two, or one cost over another."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from stlc.plot.style import BAD, COLOURS, MARKERS, RC
 from stlc.sweep.ask import Answer
 from stlc.sweep.axes import Axis, Point
 from stlc.sweep.frontier import Frontier
+from stlc.sweep.heat_map import draw_map, varied
 from stlc.sweep.work import Found
 
 if TYPE_CHECKING:
@@ -35,8 +36,9 @@ def check_name(path: Path) -> str:
 
 
 def draw(path: Path, axes: Sequence[Axis], costs: tuple[str, str] | None, found: Results) -> None:
-    """Write the picture: trade-off curves, or the objective over the first parameter, one line for
-    each combination of the others; points without a plan are crosses at the foot.
+    """Write the picture: trade-off curves, a map of the objective over the two parameters that
+    vary, or the objective over the first one, a line for each combination of the others; there
+    points without a plan are crosses at the foot.
 
     Raises UsageError for another ending, OutputError when the file can't be written.
     """
@@ -50,11 +52,14 @@ def draw(path: Path, axes: Sequence[Axis], costs: tuple[str, str] | None, found:
         figure = Figure(figsize=_SIZE, layout="constrained")
         FigureCanvasAgg(figure)
         ax = figure.add_subplot()
+        both = varied(axes)
         if costs is not None:
             _trades(ax, costs, found)
+        elif both is not None:
+            draw_map(ax, *both, found)
         else:
             _lines(ax, axes, found)
-        if len(ax.get_legend_handles_labels()[1]) > 1 or costs is None:
+        if len(ax.get_legend_handles_labels()[1]) > 1:
             ax.legend()
         with atomic_output(path) as stream:
             figure.savefig(stream, format=kind, dpi=130, metadata=metadata)
