@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from stlc.errors import UsageError
 from stlc.files import atomic_output
-from stlc.plot import FORMATS
+from stlc.plot import FORMATS as KNOWN
 from stlc.plot.style import BAD, COLOURS, MARKERS, RC
 from stlc.sweep.ask import Answer
 from stlc.sweep.axes import Axis, Point
@@ -20,6 +20,7 @@ from stlc.sweep.work import Found
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+FORMATS = tuple(kind for kind in KNOWN if kind != "gif")  # nothing of a sweep moves
 _SIZE = (7.0, 4.5)  # inches
 _NUMBER = re.compile(r"\s*[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
