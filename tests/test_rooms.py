@@ -73,6 +73,8 @@ MAY: Mapping[str, set[str]] = {
         "syntax", "sema", "mission", "milp", "plan", "verify", "solve", "simulate", "explain",
         "radio", "renew",
     },
+    "exports": {"mission", "plan", "verify"},
+    "maps": {"syntax"},
     "front": {
         "api", "explain", "milp", "mission", "plan", "plot", "report", "solve", "syntax", "verify",
     },

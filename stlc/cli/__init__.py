@@ -21,6 +21,8 @@ _COMMANDS = {
     "verify": ("plans", "Judge a plan against its mission."),
     "plot": ("plans", "Draw a plan."),
     "report": ("report", "Show a plan in one HTML page: map in motion, requirements, signals."),
+    "export": ("exchange", "Write a plan as GeoJSON, MCAP or timed waypoints."),
+    "map": ("exchange", "Turn a ROS map or a DXF drawing into obstacles."),
     "read-solution": ("plans", "Turn another solver's answer into a plan."),
     "explain": ("explain", "Name the requirements that conflict."),
     "replan": ("replan", "Plan what is left of a mission that is under way."),

@@ -22,6 +22,7 @@ from stlc.cli.common import (
 )
 from stlc.cli.completion import backend_option, encoding_option, offer_strategies
 from stlc.cli.interrupt import interruptible
+from stlc.cli.lengths import metres
 from stlc.cli.progress import listener
 from stlc.errors import InfeasibleError, SolverError
 
@@ -61,17 +62,6 @@ class _Words:
     style: str
 
 
-def _metres(context: click.Context, parameter: click.Parameter, value: str) -> float:
-    """A length such as `1 m`, `50 cm` or `0.5`, in metres."""
-    from stlc.sema.overrides import parse_value
-    from stlc.sema.units import METRE
-
-    length = parse_value(value)
-    if length is None or length.unit not in (None, METRE) or length.constant <= 0:
-        raise click.BadParameter(f"{value!r} is no length such as '1 m' or '50 cm'")
-    return length.constant
-
-
 @click.command("solve")
 @mission_options
 @backend_option
@@ -96,7 +86,7 @@ def _metres(context: click.Context, parameter: click.Parameter, value: str) -> f
 @solver_options
 @click.option("--solutions", type=click.IntRange(1, 1000), default=1, show_default=True,
               metavar="K", help="So many plans that really differ, best first.")  # fmt: skip
-@click.option("--different", callback=_metres, default="1 m", show_default=True, metavar="LENGTH",
+@click.option("--different", callback=metres, default="1 m", show_default=True, metavar="LENGTH",
               help="Some agent is so far from every other plan at some step.")  # fmt: skip
 @click.option("--no-explain", is_flag=True, help="Don't look for what conflicts if infeasible.")
 @click.option("--confirm", is_flag=True, help="Have a second solver confirm optimality.")

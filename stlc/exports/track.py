@@ -1,0 +1,48 @@
+"""Where agents are at even times, by their own motion between the steps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from stlc.arrays import Floats
+from stlc.errors import UsageError
+from stlc.mission import Mission
+from stlc.plan import Plan
+from stlc.verify.paths import Path, placed, state_paths
+
+MOST_SAMPLES = 1_000_000  # of one agent: what a reader of any of the formats still opens
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tracks:
+    """`times` (K,) [s], the last step among them, and places (K, 2) or (K, 3) [m] by agent."""
+
+    times: Floats
+    places: Mapping[str, Floats]
+    paths: Mapping[str, Path]
+
+    def speeds(self, agent: str, step: float) -> Floats:
+        """Velocities (K, 2) or (K, 3) [m/s]."""
+        path = self.paths[agent]
+        along = self.times / step * path.pieces
+        row = np.clip(np.floor(along).astype(np.intp), 0, len(path.c0) - path.pieces - 1)
+        s = (along - row)[:, None]
+        return np.asarray((path.c1[row] + 2.0 * s * path.c2[row]) * path.pieces / step)
+
+
+def tracks(mission: Mission, plan: Plan, every: float | None) -> Tracks:
+    """Of all agents that are somewhere. UsageError where there is none, or far too many samples."""
+    motion = placed(mission, state_paths(mission, plan.runs))
+    agents = [name for name in mission.agents if name in motion]
+    if not agents:
+        raise UsageError("no agent has a position: there is nothing to export")
+    last, gap = plan.horizon * plan.step, every or plan.step
+    if last / gap > MOST_SAMPLES:
+        raise UsageError(f"that would be {last / gap:.3g} samples of each agent; take longer steps")
+    times = np.arange(0.0, last - 1e-9 * gap, gap)
+    times = np.append(times, last)
+    places = {name: motion[name].at(times / plan.step) for name in agents}
+    return Tracks(times, places, {name: motion[name] for name in agents})

@@ -1,0 +1,159 @@
+"""Plans as GeoJSON, MCAP and waypoints: what other programs read there is the plan."""
+
+from __future__ import annotations
+
+import builtins
+import csv
+import json
+
+import numpy as np
+import pytest
+import shapely
+from mcap.reader import make_reader
+from support.command import MISSION, inside
+
+from stlc.api import loads
+from stlc.errors import UsageError
+from stlc.exports import export
+from stlc.plan import make_plan
+from stlc.verify import verify
+
+TEXT = """step 500 ms
+horizon 4
+workspace box [0, 20] x [0, 8]
+agent r : double_integrator { start (1, 1) }
+dynamics drone = double_integrator { dimensions 3; pz in [0, 30] }
+agent d : drone { start (1, 6, 5, 1, 0, 0) }
+station base at (10, 0) { height 2 }
+region pad = box [8, 10] x [0, 2] + polygon (1, 1) (4, 1) (4, 4) (1, 4) hole (2, 2) (3, 2) (3, 3)
+obstacle crate = box [14, 15] x [1, 2] x [0, 3] inflate 0.1
+obstacle truck = moving { 0: box [4, 6] x [5, 7]; 4: box [8, 10] x [5, 7] } linear
+channel radio { path_loss L0 = -40 dBm, n = 2; partition 5 x 4 x 1 }
+require talk: always[1, 3] rssi(r, base) >= -90 dBm
+require off: always (r outside truck and r outside crate)
+require at: eventually r in pad
+"""
+
+
+@pytest.fixture(scope="module")
+def both():
+    there = loads(TEXT)
+    inputs = {"r": np.tile([1.0, 0.0], (4, 1)), "d": np.zeros((4, 3))}
+    runs = {}
+    for name, given in inputs.items():
+        model, states = there.agents[name].dynamics, [there.agents[name].start]
+        for u in given:
+            states.append(model.A @ states[-1] + model.B @ u)
+        runs[name] = np.array(states)
+    plan = make_plan(there, runs, inputs)
+    return there, verify(there, plan).annotate(plan)
+
+
+def test_waypoints_are_on_the_motion(both, tmp_path):
+    export(*both, tmp_path / "w.csv", 0.3)
+    rows = list(csv.DictReader((tmp_path / "w.csv").open()))
+    assert list(rows[0]) == ["agent", "time", "x", "y", "z", "vx", "vy", "vz"]
+    mine = [r for r in rows if r["agent"] == "r"]
+    times = np.array([float(r["time"]) for r in mine])
+    np.testing.assert_allclose(times, [0, 0.3, 0.6, 0.9, 1.2, 1.5, 1.8, 2.0])
+    np.testing.assert_allclose([float(r["x"]) for r in mine], 1 + times**2 / 2)
+    np.testing.assert_allclose([float(r["vx"]) for r in mine], times, atol=1e-9)
+    other = [r for r in rows if r["agent"] == "d"]
+    np.testing.assert_allclose([float(r["z"]) for r in other], 5)
+    np.testing.assert_allclose([float(r["vx"]) for r in other], 1)
+
+
+def test_a_plane_has_no_heights(tmp_path):
+    there = loads(MISSION)
+    plan = make_plan(there, {"a": np.ones((5, 4))}, {"a": np.zeros((4, 2))})
+    export(there, plan, tmp_path / "w.csv")
+    assert (tmp_path / "w.csv").read_text().splitlines()[0] == "agent,time,x,y,vx,vy"
+
+
+def test_geojson_has_everything_and_reads_back(both, tmp_path):
+    export(*both, tmp_path / "p.geojson")
+    features = json.loads((tmp_path / "p.geojson").read_text())["features"]
+    kinds = {f["properties"]["name"]: f["properties"]["kind"] for f in features}
+    assert kinds == {
+        "r": "agent", "d": "agent", "workspace": "workspace", "pad": "region",
+        "crate": "obstacle", "truck": "obstacle", "base": "station",
+    }  # fmt: skip
+    shapes = {f["properties"]["name"]: shapely.geometry.shape(f["geometry"]) for f in features}
+    assert shapes["pad"].is_valid
+    assert shapes["pad"].area == pytest.approx(4 + 9 - 0.5)
+    assert shapes["r"].coords[-1][0] == pytest.approx(3)
+    assert shapes["base"].z == 2
+    outer = shapes["pad"].geoms[1].exterior
+    assert outer.is_ccw
+    again = loads(
+        "agent a : single_integrator { start (30, 30) }\nhorizon 2\n"
+        'region pad = geojson "p.geojson" feature "pad"\nrequire r: eventually a in pad\n',
+        folder=tmp_path,
+    )
+    pieces = [shapely.Polygon(p.vertices) for p in again.regions["pad"].pieces]
+    assert shapely.union_all(pieces).symmetric_difference(shapes["pad"]).area < 1e-9
+
+
+def test_mcap_holds_poses_links_inputs_and_the_scene(both, tmp_path):
+    export(*both, tmp_path / "p.mcap", 0.25)
+    found: dict[str, list[tuple[float, dict]]] = {}
+    with (tmp_path / "p.mcap").open("rb") as stream:
+        for schema, channel, message in make_reader(stream).iter_messages():
+            assert channel.message_encoding == "json"
+            assert schema.encoding == "jsonschema"
+            found.setdefault(channel.topic, []).append(
+                (message.log_time / 1e9, json.loads(message.data))
+            )
+    assert set(found) == {
+        "/agents/r/pose", "/agents/d/pose", "/agents/r/input", "/agents/d/input",
+        "/links/radio/r/base", "/scene",
+    }  # fmt: skip
+    time, pose = found["/agents/r/pose"][3]
+    assert time == 0.75
+    assert pose["timestamp"] == {"sec": 0, "nsec": 750_000_000}
+    assert pose["pose"]["position"]["x"] == pytest.approx(1 + 0.75**2 / 2)
+    assert pose["pose"]["orientation"]["w"] == pytest.approx(1)
+    assert found["/agents/r/input"][0][1] == {"ux": 1.0, "uy": 0.0}
+    assert found["/links/radio/r/base"][2][1]["rssi"] == pytest.approx(
+        both[1].links[0].values["rssi"][2]
+    )
+    first, *later = found["/scene"]
+    assert {e["id"] for e in first[1]["entities"]} == {"workspace", "pad", "crate", "truck"}
+    assert [e["id"] for _, update in later for e in update["entities"]] == ["truck"] * 4
+    corners = later[-1][1]["entities"][0]["lines"][0]["points"]
+    assert min(p["x"] for p in corners) == 8
+
+
+def test_what_cannot_be_exported_is_said(both, tmp_path, monkeypatch):
+    with pytest.raises(UsageError, match=r"\.geojson, \.mcap, \.csv"):
+        export(*both, tmp_path / "p.kml")
+    with pytest.raises(UsageError, match="longer steps"):
+        export(*both, tmp_path / "p.csv", 1e-9)
+    there = loads(
+        "horizon 1\ndynamics k = single_integrator { dimensions 1 }\n"
+        "agent c : k { start 2 }\nrequire c.px >= 0\n"
+    )
+    plan = make_plan(there, {"c": np.ones((2, 1))}, {"c": np.zeros((1, 1))})
+    with pytest.raises(UsageError, match="no agent has a position"):
+        export(there, plan, tmp_path / "p.csv")
+    real = builtins.__import__
+
+    def without(name, *rest, **more):
+        if name.startswith("mcap"):
+            raise ImportError(name)
+        return real(name, *rest, **more)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    with pytest.raises(UsageError, match=r"pip install 'stlc\[mcap\]'"):
+        export(*both, tmp_path / "p.mcap")
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_command(tmp_path):
+    (tmp_path / "m.stl").write_text(MISSION)
+    inside("solve", "m.stl", "-o", "p.json", "--progress", "none", folder=tmp_path)
+    done = inside("export", "m.stl", "p.json", "-o", "w.csv", "--every", "100 ms", folder=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert len((tmp_path / "w.csv").read_text().splitlines()) == 42
+    wrong = inside("export", "m.stl", "p.json", "-o", "w.csv", "--every", "2 m", folder=tmp_path)
+    assert wrong.returncode == 2
