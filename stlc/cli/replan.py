@@ -9,6 +9,7 @@ import click
 
 from stlc.cli.answer import answer
 from stlc.cli.common import check_outputs, load, mission_options
+from stlc.cli.completion import backend_option
 from stlc.cli.progress import listener
 from stlc.errors import ViolationError
 
@@ -29,11 +30,12 @@ if TYPE_CHECKING:
               metavar="S", help="Seconds for the solver.")  # fmt: skip
 @click.option("--gap", type=click.FloatRange(min=0), default=1e-4, show_default=True,
               help="Relative distance from the optimum that is good enough.")  # fmt: skip
-@click.option("--backend", default="highs", show_default=True, help="See `stlc backends`.")
+@backend_option
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="The new plan (JSON).")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @click.option("--progress", "style", default="none", show_default=True,
-              type=click.Choice(["auto", "line", "ndjson", "none"]))  # fmt: skip
+              type=click.Choice(["auto", "line", "text", "ndjson", "none"]),
+              help="`auto`: a live line at a terminal, else lines of text.")  # fmt: skip
 def replan_command(
     file: Path, plan: Path, define: tuple[str, ...], allow_path: tuple[Path, ...], step: int,
     state: Path | None, samples: tuple[str, ...], time_limit: float, gap: float, backend: str,
