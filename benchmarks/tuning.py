@@ -17,7 +17,7 @@ import resource
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,7 @@ from typing import Any
 from stlc.api import load, solve
 from stlc.errors import NoPlanError
 from stlc.files import write_atomic
+from stlc.record import changed
 from stlc.solve import tuning
 from stlc.solve.outcome import SolveSettings
 
@@ -65,7 +66,7 @@ def run(mission: str, limit: float, number: str, value: float) -> Run:
     """Solve in this process, with the number changed for good. Seconds of all its threads."""
     if number:
         record, _, field = number.partition(".")
-        setattr(tuning, record, replace(getattr(tuning, record), **{field: value}))
+        setattr(tuning, record, changed(getattr(tuning, record), **{field: value}))
     loaded, began = load(MISSIONS / f"{mission}.stl"), _cpu()
     plan, bound = None, None
     try:
@@ -98,18 +99,16 @@ def apart(mission: str, limit: float, number: str, value: float) -> Run:
 def variations(record: str) -> Iterator[tuple[str, float]]:
     """The record as it stands, then each of its numbers halved and doubled."""
     yield "", 0.0
-    for field in fields(getattr(tuning, record)):
-        value = getattr(getattr(tuning, record), field.name)
+    for field in getattr(tuning, record).record_fields:
+        value = getattr(getattr(tuning, record), field)
         if not isinstance(value, int | float):
             continue  # a schedule, such as the efforts of a beam
-        if not isinstance(value, int | float):
-            continue
         for factor in (0.5, 2.0):
             varied = value * factor
             if isinstance(value, int):
                 varied = max(1, int(varied))
             if varied != value:
-                yield f"{record}.{field.name}", varied
+                yield f"{record}.{field}", varied
 
 
 def measured(records: Sequence[str], limit: float) -> list[Run]:

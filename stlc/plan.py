@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stlc.certificate import Certificate
 from stlc.files import write_atomic
 from stlc.grids import shapes
 from stlc.sense import Sense
@@ -82,7 +83,7 @@ class Plan:
 
     `mission` is the file's name, `sha256` the digest of its text, `params` what `-D` set,
     `grids` the cells along each axis of channels that chose them (`stlc.grids`).
-    `certificate` holds what certification found (plain JSON values). The steps before `executed`
+    `certificate` holds what certification and the verifier found. The steps before `executed`
     were carried out already: states up to and with that step are as they were measured.
     """
 
@@ -94,7 +95,7 @@ class Plan:
     solve: SolveInfo = SolveInfo()
     requirements: tuple[RequirementValue, ...] = ()
     links: tuple[LinkSeries, ...] = ()
-    certificate: Mapping[str, Any] = field(default_factory=dict)
+    certificate: Certificate = field(default_factory=Certificate)
     params: Mapping[str, str] = field(default_factory=dict)
     grids: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     executed: int = 0
@@ -194,7 +195,9 @@ def shifted(plan: Plan, steps: int, agents: Mapping[str, Agent]) -> Plan:
         for name, run in plan.runs.items()
         for states, inputs in [_advance(run, kept, agents[name])]
     }
-    return replace(plan, runs=runs, solve=SolveInfo(), requirements=(), links=(), certificate={})
+    return replace(
+        plan, runs=runs, solve=SolveInfo(), requirements=(), links=(), certificate=Certificate()
+    )
 
 
 def _advance(run: Run, steps: int, agent: Agent) -> tuple[Array, Array]:

@@ -33,7 +33,7 @@ def to_json(plan: Plan) -> str:
             ],
             "agents": {name: _run(run) for name, run in plan.runs.items()},
             "links": [_link(series) for series in plan.links],
-            "certificate": plain(plan.certificate),
+            "certificate": plain(plan.certificate.as_dict()),
         }
     )
 

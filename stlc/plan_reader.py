@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stlc.certificate import Certificate, Checked, Claim, Misses
 from stlc.errors import UsageError
 from stlc.inputs import InputError, read_input
 from stlc.plan import FORMAT_VERSION, LinkSeries, Plan, RequirementValue, Run, SolveInfo
@@ -107,6 +108,12 @@ class _Place:
         """A list of texts."""
         return tuple(item.text() for item in self.items())
 
+    def truth(self) -> bool:
+        """True or false."""
+        if not isinstance(self.value, bool):
+            raise self.fail("true or false")
+        return self.value
+
     def number(self) -> float:
         """A finite number."""
         value = self.value
@@ -158,7 +165,7 @@ def _plan(top: _Place) -> Plan:
         _read_solve(top["solve"]),
         tuple(_read_requirement(p) for p in top["requirements"].items()),
         tuple(_read_link(p, length) for p in top["links"].items()),
-        {k: p.value for k, p in top["certificate"].fields().items()},
+        _read_certificate(top["certificate"]),
         {k: p.text() for k, p in top["params"].fields().items()} if top.has("params") else {},
         {k: _grid(p) for k, p in top["grids"].fields().items()} if top.has("grids") else {},
         _executed(top["executed"], length) if top.has("executed") else 0,
@@ -206,6 +213,45 @@ def _read_solve(place: _Place) -> SolveInfo:
         words["status"], figures["objective"], figures["bound"], figures["gap"],
         words["backend"], words["solver"], words["encoding"], seconds, _read_sense(place),
     )  # fmt: skip
+
+
+def _read_certificate(place: _Place) -> Certificate:
+    """What was found of a plan; nothing of it need be there."""
+    given = place.fields()
+    verified = given["verified"].truth() if "verified" in given else None
+    notes = given["notes"].texts() if "notes" in given else ()
+    return Certificate(_read_checked(place) if "claim" in given else None, verified, notes)
+
+
+def _read_checked(place: _Place) -> Checked:
+    """A point held against the model; `place` is the certificate's."""
+    claim = place["claim"]
+    said = Claim(
+        claim["status"].text(), claim["objective"].optional(), claim["solver"].text(),
+        claim["solver_version"].text(),
+    )  # fmt: skip
+    figures = [place[k].optional() for k in ("objective", "bound", "gap")]
+    before, after = (_read_misses(place[f"violations_{k}"]) for k in ("before", "after"))
+    return Checked(
+        place["status"].text(), figures[0], figures[1], figures[2], place["tolerance"].number(),
+        said, before, after, place["continuous_part_solved_again"].truth(),
+        place["warnings"].texts(),
+    )  # fmt: skip
+
+
+def _read_misses(place: _Place) -> Misses | None:
+    """Largest violations, None where there was no point."""
+    if place.value is None:
+        return None
+    rows, bounds, integrality, *relative = (
+        place[k].number()
+        for k in ("rows", "bounds", "integrality", "rows_relative", "bounds_relative")
+    )
+    worst = [
+        None if place[k].value is None else place[k].text()
+        for k in ("worst_row", "worst_column", "worst_integer")
+    ]
+    return Misses(rows, bounds, integrality, relative[0], relative[1], *worst)
 
 
 def _read_sense(place: _Place) -> Sense:

@@ -15,6 +15,7 @@ LEAVES = {
     "source",
     "record",
     "arrays",
+    "database",
     "errors",
     "diagnostics",
     "files",
@@ -118,7 +119,8 @@ GRAPH = {module: _imports(module) for module in MODULES}
 def _room(module: str) -> str:
     room = module.split(".")[1] if "." in module else ""
     parts = {
-        "plan_json": "plan", "plan_reader": "plan", "places": "mission", "preferences": "mission",
+        "certificate": "plan", "plan_json": "plan", "plan_reader": "plan",
+        "places": "mission", "preferences": "mission",
     }  # fmt: skip
     return parts.get(room, room)  # rooms in several files
 

@@ -162,8 +162,7 @@ class _Run:
 
 
 def load_solvers(backend: str) -> None:
-    """Load the backend, and the searches ahead of it with their HiGHS: that is no solver's time."""
-    import stlc.solve.strategies  # noqa: F401
+    """Load the backend, and the HiGHS of the searches ahead of it: that is no solver's time."""
     from stlc.milp.builder import ModelBuilder
 
     builder = ModelBuilder("nothing")

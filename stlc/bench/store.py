@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Collection, Iterator
-from contextlib import closing, contextmanager
+from collections.abc import Collection
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 
 from stlc.bench.record import Record, from_json
+from stlc.database import create, opened
 from stlc.errors import OutputError, UsageError
 
 _SCHEMA = """
@@ -22,7 +23,7 @@ CREATE TABLE IF NOT EXISTS runs (
   record TEXT NOT NULL
 ) WITHOUT ROWID
 """
-_WAIT = 60.0  # s for another process that writes
+_WHAT = "store of benchmark runs"
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,12 +34,7 @@ class Store:
 
     def create(self) -> None:
         """Make the file and its table. OutputError when it can't be written."""
-        try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            with self._open() as base:
-                base.execute(_SCHEMA)
-        except (OSError, sqlite3.OperationalError) as error:
-            raise OutputError(f"cannot write the store {self.path}: {error}") from error
+        create(self.path, _SCHEMA, _WHAT)
 
     def add(self, record: Record) -> None:
         """Keep a finished run; one that is there already stays as it is."""
@@ -70,15 +66,8 @@ class Store:
                 rows = base.execute(order).fetchall()
             return tuple(from_json(text) for suite, text in rows if not suites or suite in suites)
         except (sqlite3.OperationalError, ValueError, TypeError, AttributeError) as error:
-            problem = f"{self.path} is damaged, or no store of benchmark runs: {error}"
+            problem = f"{self.path} is damaged, or no {_WHAT}: {error}"
             raise UsageError(problem) from error
 
-    @contextmanager
-    def _open(self) -> Iterator[sqlite3.Connection]:
-        try:
-            with closing(sqlite3.connect(self.path, timeout=_WAIT)) as base, base:
-                yield base
-        except sqlite3.OperationalError:
-            raise
-        except sqlite3.DatabaseError as error:
-            raise UsageError(f"{self.path} is no store of benchmark runs: {error}") from error
+    def _open(self) -> AbstractContextManager[sqlite3.Connection]:
+        return opened(self.path, _WHAT)

@@ -41,13 +41,19 @@ def add_objective(ctx: Context, tables: LinkTables, encoding: str) -> tuple[str,
     for term in ctx.mission.objective:
         ctx.builder.origin = Origin(f"objective {term.kind.value}", term.span)
         match term.kind:
-            case TermKind.EFFORT:
-                _add_effort(ctx, term, tables)
-            case TermKind.LINK_COST:
-                notes += _add_link_cost(ctx, term, tables, encoding)
+            case TermKind.EFFORT | TermKind.LINK_COST:
+                notes += _add_cost(ctx, term, tables, encoding)
             case TermKind.ROBUSTNESS | TermKind.VIOLATION:
                 continue  # its column carries the weight; violations were lowered
     return tuple(notes)
+
+
+def _add_cost(ctx: Context, term: ObjectiveTerm, tables: LinkTables, encoding: str) -> list[str]:
+    """Add what effort or links cost; remarks on the encodings that were chosen."""
+    if term.kind is TermKind.LINK_COST:
+        return list(_add_link_cost(ctx, term, tables, encoding))
+    _add_effort(ctx, term, tables)
+    return []
 
 
 def add_caps(
@@ -60,10 +66,8 @@ def add_caps(
         for term in cap.terms:
             ctx.builder.origin = Origin(f"cap on {cap.name}", term.span)
             match term.kind:
-                case TermKind.EFFORT:
-                    _add_effort(ctx, term, tables)
-                case TermKind.LINK_COST:
-                    notes += _add_link_cost(ctx, term, tables, encoding)
+                case TermKind.EFFORT | TermKind.LINK_COST:
+                    notes += _add_cost(ctx, term, tables, encoding)
                 case TermKind.ROBUSTNESS:
                     goal = next(g for g in rho if g.is_of(term))
                     ctx.builder.add_cost([rho[goal]], [term.weight])

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stlc.arrays import Floats
+from stlc.certificate import Certificate
 from stlc.errors import UsageError
 from stlc.mission import Mission
 from stlc.plan import Plan
@@ -99,5 +100,5 @@ def joined(past: Past, rest: Plan, mission: Mission) -> Plan:
     }
     return replace(
         rest, horizon=mission.horizon, runs=runs, executed=past.step, requirements=(), links=(),
-        certificate={},
+        certificate=Certificate(),
     )  # fmt: skip

@@ -5,7 +5,6 @@ from __future__ import annotations
 from stlc.ir.requirement import Requirement
 from stlc.mission import ObjectiveTerm, TermKind
 from stlc.preferences import Preference
-from stlc.sema import quotas
 from stlc.sema.durations import durations
 from stlc.sema.joints import joined
 from stlc.sema.name_errors import Redeclared
@@ -34,19 +33,14 @@ def carried_on(
     if not moving or scope.report.errors:
         return requirements, wishes
     scope.last_step, scope.placed = steps, 0
-    with scope.report.guard():
-        quotas.check_all(moving, scope)
-        for statement in moving:
+    for statement in moving:
+        with scope.report.guard():
             shaper.obstacle(statement)
-    if scope.report.errors:
-        return requirements, wishes
-    report, scope.report = scope.report, Report()  # warnings were reported the first time
+    report, scope.report = scope.report, Report()  # all was reported the first time
     scope.memo.clear()
     scope.requirements.clear()
     again = required(statements, scope)
     wishes = preferred(statements, scope)
-    for error in scope.report.errors:
-        report.add(error)
     scope.report = report
     return again, wishes
 

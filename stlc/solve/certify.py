@@ -14,6 +14,7 @@ import numpy as np
 
 from stlc.backends import get
 from stlc.backends.base import Floats, Solution, SolveOptions, Status, relative_gap
+from stlc.certificate import Checked, Claim, Misses
 from stlc.errors import SolverError
 from stlc.milp.model import Model
 from stlc.milp.violations import Violations, exact_objective, violations
@@ -55,26 +56,21 @@ class Certified:
             return None
         return relative_gap(self.objective, min(self.bound, self.objective))
 
-    def as_dict(self, sense: Sense = Sense.MINIMIZE) -> dict[str, object]:
-        """JSON form: point, objective and claim apart; figures go the way of the mission's `sense`,
-        warnings quote the model, which minimises."""
-        return {
-            "status": self.status.value,
-            "objective": sense.own(self.objective),
-            "bound": sense.own(self.bound),
-            "gap": self.gap,
-            "tolerance": self.tolerance,
-            "claim": {
-                "status": self.claim.status.value,
-                "objective": sense.own(self.claim.objective),
-                "solver": self.claim.solver,
-                "solver_version": self.claim.solver_version,
-            },
-            "violations_before": None if self.before is None else asdict(self.before),
-            "violations_after": None if self.after is None else asdict(self.after),
-            "continuous_part_solved_again": self.polished,
-            "warnings": list(self.warnings),
-        }
+    def checked(self, sense: Sense = Sense.MINIMIZE) -> Checked:
+        """What the plan keeps of it: figures go the way of the mission's `sense`, warnings quote
+        the model, which minimises."""
+        claim, own = self.claim, sense.own
+        said = Claim(
+            claim.status.value, own(claim.objective), claim.solver, claim.solver_version
+        )  # fmt: skip
+        return Checked(
+            self.status.value, own(self.objective), own(self.bound), self.gap, self.tolerance, said,
+            _kept(self.before), _kept(self.after), self.polished, self.warnings,
+        )  # fmt: skip
+
+
+def _kept(found: Violations | None) -> Misses | None:
+    return None if found is None else Misses(**asdict(found))
 
 
 def certify(

@@ -193,7 +193,7 @@ class Job:
         self.listen(StatusEvent("verify", "certifying the point, verifying the plan"))
         plan, report = self.judge.accept(solution, self._options_asked())
         seconds = {**seconds, "verify": judging.seconds}
-        for warning in plan.certificate.get("warnings", ()):
+        for warning in plan.certificate.warnings:
             self.listen(DiagnosticEvent("warning", warning))
         plan = replace(plan, solve=replace(plan.solve, seconds=seconds))
         confirmation = self._confirm(solution) if self.settings.confirm else None

@@ -45,6 +45,7 @@ class Judge:
 
     def _verified(self, certified: Certified) -> tuple[Plan, Report]:
         """The plan of a certified point, and the verifier's verdict on it."""
+        from stlc.certificate import Certificate
         from stlc.plan import SolveInfo, make_plan
         from stlc.verify import verify
 
@@ -58,7 +59,7 @@ class Judge:
         )  # fmt: skip
         plan = make_plan(self.mission, run.states, run.inputs, info)
         report = verify(self.mission, plan, self.compiled.channels)
-        return report.annotate(plan, certified.as_dict(sense)), report
+        return report.annotate(plan, Certificate(certified.checked(sense))), report
 
     def accept(self, claim: Solution, asked: SolveOptions | None = None) -> tuple[Plan, Report]:
         """As `judge`; DisagreementError when the verifier refuses what the Model accepts."""

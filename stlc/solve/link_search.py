@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from stlc.backends.base import Capability, Solution, Status
+from stlc.backends.base import Solution, Status
 from stlc.solve.bounders.pair import Search
 from stlc.solve.bounders.team_search import Team
 from stlc.solve.relaxation.recognise import recognise
 from stlc.solve.restricted.frame import Frame
 from stlc.solve.restricted.session import Session
-from stlc.solve.strategy import Strategy, Work
+from stlc.solve.strategy import Work
 
 _LARGE = 400_000  # columns: more are not given to the solver whole when there is a plan
-_NEEDED = Capability.TIME_LIMIT | Capability.GAP
 
 
-def _search(work: Work) -> Work | Solution:
+def search_links(work: Work) -> Work | Solution:
     """Bound and plan; where links are only asked for, the search just looks for a first plan."""
     problem = recognise(work.compiled)
     if problem is None or not problem.pairs:
@@ -30,6 +29,3 @@ def _search(work: Work) -> Work | Solution:
         return found
     answer = found.answer()
     return replace(answer, status=Status.OPTIMAL) if proven else answer
-
-
-LINKS = Strategy("links", lambda work: work.can(_NEEDED), _search)

@@ -72,7 +72,7 @@ class Outcome:
             "nonzeros": m.nonzeros,
             "nodes": self.solution.nodes,
             "seconds": self.seconds,
-            "certified": bool(self.plan.certificate),
+            "certified": self.plan.certificate.checked is not None,
             "verified": self.report.ok,
             "notes": list(self.report.notes),
             "robustness": {r.name: r.robustness for r in self.plan.requirements},

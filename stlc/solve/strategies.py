@@ -22,20 +22,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 from importlib.metadata import entry_points
 
-from stlc.backends.base import Backend, Capability, Solution, SolveOptions, Status
+from stlc.backends.base import Backend, Solution, SolveOptions, Status
 from stlc.errors import UsageError, hinted
 from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
-from stlc.solve import tuning
-from stlc.solve.alone.parts import PARTS
-from stlc.solve.alone.strategy import LONE
-from stlc.solve.heuristics.dive import DIVE
-from stlc.solve.link_search import LINKS
-from stlc.solve.routes.strategy import GRIDS, ROUTES
+from stlc.solve import applies, tuning
 from stlc.solve.strategy import Strategy, Work
-from stlc.solve.teams.groups import GROUPS
-from stlc.solve.teams.improvement import NEIGHBOURHOODS
-from stlc.solve.teams.turns import TURNS
 
 ENTRY_POINTS = "stlc.strategies"
 """Entry-point group under which a package offers a `Strategy`."""
@@ -83,14 +75,6 @@ def _offered() -> tuple[Strategy, ...]:
     return tuple(point.load() for point in entry_points(group=ENTRY_POINTS))
 
 
-def _is_small(work: Work) -> bool:
-    """A model so small that a plain solve mostly ends, or has a plan, before any search has."""
-    compiled, most = work.compiled, tuning.BRIEF
-    columns = most.columns if len(compiled.states) > 1 else most.lone_columns
-    small = not compiled.robustness and compiled.model.columns <= columns
-    return small and work.can(Capability.TIME_LIMIT)
-
-
 def _try_briefly(work: Work) -> Work | Solution:
     moment = work.deadline.share(tuning.BRIEF.share, tuning.BRIEF.seconds)
     found = solve_twice_if_infeasible(work.compiled.model, work.backend, moment.bind(work.asked()))
@@ -123,9 +107,66 @@ def solve_twice_if_infeasible(model: Model, backend: Backend, options: SolveOpti
     return first if again.status in (Status.INFEASIBLE, Status.NO_SOLUTION) else again
 
 
-BRIEF = Strategy("brief", _is_small, _try_briefly, heeds_caps=True)
+def _turns(work: Work) -> Work:
+    from stlc.solve.teams.turns import plan_in_turns
+
+    return plan_in_turns(work)
+
+
+def _groups(work: Work) -> Work | Solution:
+    from stlc.solve.teams.groups import solve_apart
+
+    return solve_apart(work)
+
+
+def _routes(work: Work) -> Work | Solution:
+    from stlc.solve.routes.strategy import plan_routes
+
+    return plan_routes(work)
+
+
+def _lone(work: Work) -> Work:
+    from stlc.solve.alone.bounds import look_at_each
+
+    return look_at_each(work)
+
+
+def _neighbourhoods(work: Work) -> Work:
+    from stlc.solve.teams.improvement import improve
+
+    return improve(work)
+
+
+def _parts(work: Work) -> Work:
+    from stlc.solve.alone.parts import bound_parts
+
+    return bound_parts(work)
+
+
+def _links(work: Work) -> Work | Solution:
+    from stlc.solve.link_search import search_links
+
+    return search_links(work)
+
+
+def _dive(work: Work) -> Work:
+    from stlc.solve.heuristics.dive import look_for_start
+
+    return look_for_start(work)
+
+
+BRIEF = Strategy("brief", applies.is_small, _try_briefly, heeds_caps=True)
+TURNS = Strategy("turns", applies.may_plan, _turns)
+GROUPS = Strategy("groups", applies.falls_apart, _groups)
+GRIDS = Strategy("grids", applies.may_grid, _routes)
+ROUTES = Strategy("routes", applies.may_route, _routes)
+LONE = Strategy("lone", applies.has_lone_runs, _lone)
+NEIGHBOURHOODS = Strategy("neighbourhoods", applies.may_improve, _neighbourhoods)
+PARTS = Strategy("parts", applies.has_parts, _parts)
+LINKS = Strategy("links", applies.may_search_links, _links)
+DIVE = Strategy("dive", applies.may_dive, _dive)
 MILP = Strategy("milp", lambda work: True, _solve_whole, heeds_caps=True)
 STRATEGIES: tuple[Strategy, ...] = (
     BRIEF, GRIDS, TURNS, GROUPS, ROUTES, LONE, NEIGHBOURHOODS, PARTS, LINKS, DIVE, MILP,
 )  # fmt: skip
-"""Every strategy, in the order in which they run."""
+"""Every strategy, in the order in which they run; each imports its search when it does."""

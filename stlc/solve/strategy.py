@@ -16,8 +16,12 @@ from dataclasses import dataclass, field, replace
 from stlc.arrays import Floats
 from stlc.backends.base import Backend, Capability, Progress, Solution, SolveOptions, Status
 from stlc.milp.compile import Compiled
+from stlc.mission import TermKind
 from stlc.solve.alone.run import LoneRun
 from stlc.solve.deadline import Deadline, Stopwatch
+
+LIMITED = Capability.TIME_LIMIT | Capability.GAP
+"""What a backend must know to be one step of a search."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,6 +56,11 @@ class Work:
     def value(self) -> float:
         """Objective of the incumbent, infinite without one."""
         return math.inf if self.x is None else self.compiled.model.objective(self.x)
+
+    @property
+    def kinds(self) -> set[TermKind]:
+        """What the objective is made of."""
+        return {term.kind for term in self.compiled.mission.objective if term.weight != 0}
 
     @property
     def seconds(self) -> float:

@@ -9,21 +9,18 @@ is within its noise of 10 %. Numbers with nothing said have not been varied.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from stlc.record import Record
 
 
-@dataclass(frozen=True, slots=True)
-class Brief:
+class Brief(Record):
     """`strategies.py`: one plain solve of a small model, before any search."""
 
     columns: int = 1500  # flat halved; doubled 1.2 the time where the search would have ended first
-    lone_columns: int = 20_000  # of one agent: 0 made two of scaling take 2.5 and 3 times as long
     seconds: float = 1.0  # halved 1.8 the time of a team of two, doubled flat
     share: float = 0.1  # of the time limit; flat
 
 
-@dataclass(frozen=True, slots=True)
-class Pair:
+class Pair(Record):
     """`bounders/pair.py`: two agents."""
 
     rate_bins: int = 2  # of the rate along each axis; halved flat, doubled 1.35 the time
@@ -35,8 +32,7 @@ class Pair:
     ascent_rounds: int = 12  # halved 1.1 the time, doubled flat
 
 
-@dataclass(frozen=True, slots=True)
-class Team:
+class Team(Record):
     """`bounders/team.py`: more than two agents."""
 
     leaf_pairs: int = 2500  # cell pairs that go to the solver when no choice is open
@@ -60,8 +56,7 @@ class Team:
     plunge_cut: float = 0.75  # of the gap, while plunging
 
 
-@dataclass(frozen=True, slots=True)
-class Dive:
+class Dive(Record):
     """`heuristics/dive.py`: a run at the static robustness bound."""
 
     first_limit: float = 30.0  # LPs before the first restart, at least; flat
@@ -72,8 +67,7 @@ class Dive:
     glance_share: float = 0.5  # and of that limit; flat
 
 
-@dataclass(frozen=True, slots=True)
-class Lone:
+class Lone(Record):
     """`alone/bounds.py`: one agent of a team alone."""
 
     seconds: float = 20.0  # at most for each; flat
@@ -82,8 +76,7 @@ class Lone:
     least: float = 1.0  # s: with less time than that it is left out; flat
 
 
-@dataclass(frozen=True, slots=True)
-class Part:
+class Part(Record):
     """`alone/parts.py`: bounds of a few agents without the others."""
 
     share: float = 0.6  # of the time that is left, for all groups
@@ -92,8 +85,7 @@ class Part:
     gap: float = 0.01
 
 
-@dataclass(frozen=True, slots=True)
-class Route:
+class Route(Record):
     """`routes/`: runs by beams over states and progress, plans near them."""
 
     glance: float = 1.0  # s of a plain solve ahead of it all
@@ -133,8 +125,7 @@ class Route:
     heat: float = 0.03  # of the gap
 
 
-@dataclass(frozen=True, slots=True)
-class Turns:
+class Turns(Record):
     """`teams/turns.py`: first plans, one agent after the other."""
 
     share: float = 0.2  # of the time that is left, for one agent
@@ -148,8 +139,7 @@ class Turns:
     partners: int = 4  # of an agent that finds no way, to be planned with it
 
 
-@dataclass(frozen=True, slots=True)
-class Near:
+class Near(Record):
     """`teams/neighbourhoods.py`: a few agents answer the others anew."""
 
     agents: int = 3  # free at once, at most

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 
+from stlc.database import create, opened
 from stlc.errors import OutputError, UsageError
 from stlc.sweep.ask import Answer, Question
 
 _SCHEMA = """
 CREATE TABLE IF NOT EXISTS answers (key TEXT PRIMARY KEY, answer TEXT NOT NULL) WITHOUT ROWID
 """
-_WAIT = 60.0  # s for another process that writes
+_WHAT = "store of sweeps"
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,12 +27,7 @@ class Store:
         """Make the file and its table. OutputError when it can't be written."""
         if self.path is None:
             return
-        try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            with self._open() as base:
-                base.execute(_SCHEMA)
-        except (OSError, sqlite3.OperationalError) as error:
-            raise OutputError(f"cannot write the store {self.path}: {error}") from error
+        create(self.path, _SCHEMA, _WHAT)
 
     def get(self, question: Question) -> Answer | None:
         """The answer, if it is known. UsageError when the file is damaged."""
@@ -45,7 +40,7 @@ class Store:
                 ).fetchone()
             return None if found is None else Answer.from_json(found[0])
         except (sqlite3.OperationalError, ValueError, TypeError, KeyError) as error:
-            raise UsageError(f"{self.path} is damaged, or no store of sweeps: {error}") from error
+            raise UsageError(f"{self.path} is damaged, or no {_WHAT}: {error}") from error
 
     def add(self, question: Question, answer: Answer) -> None:
         """Keep an answer, unless it was cut short."""
@@ -58,13 +53,6 @@ class Store:
         except sqlite3.OperationalError as error:
             raise OutputError(f"cannot write the store {self.path}: {error}") from error
 
-    @contextmanager
-    def _open(self) -> Iterator[sqlite3.Connection]:
+    def _open(self) -> AbstractContextManager[sqlite3.Connection]:
         assert self.path is not None
-        try:
-            with closing(sqlite3.connect(self.path, timeout=_WAIT)) as base, base:
-                yield base
-        except sqlite3.OperationalError:
-            raise
-        except sqlite3.DatabaseError as error:
-            raise UsageError(f"{self.path} is no store of sweeps: {error}") from error
+        return opened(self.path, _WHAT)

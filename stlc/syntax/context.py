@@ -23,8 +23,6 @@ from stlc.syntax.neighbours import (
 from stlc.syntax.split import statement_words
 from stlc.syntax.tokens import NAME, NEWLINE, NUMBER, STRING, SYMBOL, Token
 
-_BEFORE_SHAPE = {"EQ", "PLUS", "COLON", "LPAR", "ST_WORKSPACE"}
-
 
 def classify(tokens: list[Token]) -> list[Token]:
     """Tokens of one statement with the grammar's terminals as kinds.
@@ -145,12 +143,12 @@ class _Context(Neighbours):
         """Words that are keywords in shapes only; False leaves the token to others."""
         text, after = token.text, self._peek()
         opener = {"box": "[", "polygon": "(", "moving": "{"}
-        due = self._last in _BEFORE_SHAPE - {"LPAR"} and (
+        due = self._last in ("EQ", "PLUS", "COLON", "ST_WORKSPACE") and (
             after.text in ("", "+", ";", "}", "inflate", "velocity", "swept", "sampled")
             and text not in ("true", "false")
         )
         tall = after.text == "x" and self._peek(2).text == "[" and text not in ("true", "false")
-        if not self.operand and after.text == opener.get(text) and self._of_shape:
+        if not self.operand and after.text == opener.get(text):
             self._emit(text.upper(), token, operand=False)
         elif not self.operand and text == "geojson" and after.kind == STRING:
             self._emit("GEOJSON", token, operand=False)
@@ -222,8 +220,7 @@ class _Context(Neighbours):
         self.key_due = False
         if token.text == "(":
             called = self.operand and self._last == NAME and not apart
-            group = not called and self._last in _BEFORE_SHAPE and self._of_shape
-            self.frames.append("S" if group else "(")
+            self.frames.append("(")
             self._emit("CALL" if called else "LPAR", token, operand=False)
         elif self._last in TEMPORAL:
             self.frames.append("I")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from stlc.certificate import Certificate
 from stlc.plan import LinkSeries, Plan, RequirementValue
 from stlc.sense import Sense
 from stlc.source import Span
@@ -103,11 +103,10 @@ class Report:
         """No violation."""
         return not self.violations
 
-    def annotate(self, plan: Plan, certificate: Mapping[str, Any] | None = None) -> Plan:
+    def annotate(self, plan: Plan, certificate: Certificate | None = None) -> Plan:
         """The plan with what was found: robustness, link quality, certificate, notes."""
         values = tuple(RequirementValue(r.name, r.robustness, r.margin) for r in self.requirements)
-        info = {**plan.certificate, **(certificate or {}), "verified": self.ok}
-        info["notes"] = list(self.notes)
+        info = (certificate or plan.certificate).judged(self.ok, tuple(self.notes))
         return replace(plan, requirements=values, links=self.links, certificate=info)
 
     def text(self) -> str:

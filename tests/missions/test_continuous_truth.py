@@ -196,7 +196,7 @@ def test_the_workspace_between_samples_is_kept_where_promised(times: str, kept: 
     outcome = solve(mission)
     out = -dense("double_integrator", mission, outcome.plan)["r"][..., 0].min()
     assert (out <= SLACK) == kept
-    notes = "\n".join(outcome.plan.certificate["notes"])
+    notes = "\n".join(outcome.plan.certificate.notes)
     assert ("leaves the workspace by" in notes) == (not kept)
     assert ("holds between samples too" in notes) == kept
     swept = loads(FAST.format(times="swept"))

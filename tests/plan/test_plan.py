@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.missions import agent, mission, roll
 
+from stlc.certificate import Certificate, Checked, Claim, Misses
 from stlc.errors import UsageError
 from stlc.plan import (
     LinkSeries,
@@ -24,6 +25,14 @@ from stlc.plan import (
 )
 from stlc.plan_json import to_json
 from stlc.plan_reader import parse
+
+CERTIFICATE = Certificate(
+    Checked(
+        "optimal", 1 / 7, None, 1e-4, 1e-6, Claim("optimal", 1 / 7, "highs", "HiGHS 1.16.0"),
+        Misses(1e-9, 0.0, 0.25, 1e-10, 0.0, worst_row="clear[3]"), None, True, ("a warning",),
+    ),
+    True, ("a note",),
+)  # fmt: skip
 
 
 def build(horizon=3, scale=0.1):
@@ -39,7 +48,7 @@ def build(horizon=3, scale=0.1):
         plan,
         requirements=(RequirementValue("a", math.inf), RequirementValue("b", None, 0.5)),
         links=(LinkSeries("radio", "r1", "r2", {"rssi": np.array([-1.5, np.nan, -2, -3])}),),
-        certificate={"rows": 1e-9, "notes": ["x"], "n": np.float64(0.1)},
+        certificate=CERTIFICATE,
     )
 
 
@@ -49,7 +58,7 @@ def same(one, two):
     )  # fmt: skip
     assert one.solve == two.solve
     assert one.requirements == two.requirements
-    assert dict(one.certificate) == dict(two.certificate)
+    assert one.certificate == two.certificate
     for name, run in one.runs.items():
         other = two.runs[name]
         np.testing.assert_array_equal(run.states, other.states)

@@ -11,10 +11,9 @@ from stlc import backends
 from stlc.api import loads
 from stlc.backends.base import SolveOptions
 from stlc.milp.compile import compile_mission
-from stlc.solve.alone.strategy import LONE
 from stlc.solve.deadline import Deadline
 from stlc.solve.judge import Judge
-from stlc.solve.strategies import run_strategy
+from stlc.solve.strategies import LONE, run_strategy
 from stlc.solve.strategy import Work
 from stlc.solve.teams.corridors import Corridor, beside
 

@@ -10,9 +10,9 @@ from stlc.api import loads
 from stlc.backends.base import SolveOptions, Status
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.solve.judge import Judge
-from stlc.solve.strategies import run_strategies, run_strategy
+from stlc.solve.strategies import GROUPS, run_strategies, run_strategy
 from stlc.solve.strategy import Work
-from stlc.solve.teams.groups import GROUPS, groups_of
+from stlc.solve.teams.couplings import groups_of
 
 HIGHS = backends.get("highs")
 EXACT = SolveOptions(gap=1e-6)

@@ -15,9 +15,8 @@ from stlc.backends.base import SolveOptions, Status
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.mission import Mission
 from stlc.solve.certify import certify
-from stlc.solve.link_search import LINKS
 from stlc.solve.relaxation.recognise import recognise
-from stlc.solve.strategies import run_strategy
+from stlc.solve.strategies import LINKS, run_strategy
 from stlc.solve.strategy import Work
 from stlc.verify import verify
 

@@ -10,11 +10,11 @@ from stlc.api import loads
 from stlc.backends.base import SolveOptions, Status
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.mission import Mission
+from stlc.record import changed
 from stlc.solve import tuning
 from stlc.solve.judge import Judge
-from stlc.solve.strategies import run_strategy
+from stlc.solve.strategies import NEIGHBOURHOODS, run_strategy
 from stlc.solve.strategy import Work
-from stlc.solve.teams.improvement import NEIGHBOURHOODS
 
 HIGHS = backends.get("highs")
 EXACT = SolveOptions(gap=1e-6)
@@ -71,7 +71,7 @@ def test_a_poor_plan_becomes_better_and_stays_one(objective: str, seed: int) -> 
 
 
 def test_with_all_agents_free_at_once_the_plan_is_optimal(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tuning, "NEAR", replace(tuning.NEAR, gap=0.0))
+    monkeypatch.setattr(tuning, "NEAR", changed(tuning.NEAR, gap=0.0))
     _, compiled = crossing(OBJECTIVES[0])
     found = NEIGHBOURHOODS.run(poor(compiled, 5))
     assert isinstance(found, Work)

@@ -15,12 +15,12 @@ from stlc.solve.alone.run import Run
 from stlc.solve.deadline import Deadline
 from stlc.solve.judge import Judge
 from stlc.solve.mip_start import hold
-from stlc.solve.strategies import run_strategy
+from stlc.solve.strategies import TURNS, run_strategy
 from stlc.solve.strategy import Work
 from stlc.solve.teams.answers import Answers, Effort
 from stlc.solve.teams.couplings import Couplings
 from stlc.solve.teams.held import against
-from stlc.solve.teams.turns import TURNS, Turns
+from stlc.solve.teams.turns import Turns
 from stlc.solve.teams.whole import completed
 
 HIGHS = backends.get("highs")

@@ -20,6 +20,7 @@ from support.missions import (
     roll,
 )
 
+from stlc.certificate import Certificate
 from stlc.channels import ChannelTables, true_robustness, true_values
 from stlc.ir.nodes import (
     Always,
@@ -235,10 +236,10 @@ def test_annotate_fills_the_plan():
     runs = {"a": roll(one, STILL), "b": roll(two, STILL)}
     plan = make_plan(there, {k: v[0] for k, v in runs.items()}, {k: v[1] for k, v in runs.items()})
     report = verify(there, plan)
-    full = report.annotate(plan, {"rows": 1e-9})
+    full = report.annotate(plan, Certificate())
     assert full.requirements[0].robustness == report.requirements[0].robustness
     assert full.links[0].values["rssi"] == pytest.approx(np.full(T + 1, mean(4)))
-    assert full.certificate == {"rows": 1e-9, "verified": True, "notes": []}
+    assert full.certificate == Certificate(verified=True)
 
 
 def test_a_value_that_is_no_number_meets_nothing():

@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stlc.arrays import Floats
 from stlc.milp.context import Affine, Context
 from stlc.milp.tables.encoding import Encoding, Size
 from stlc.milp.tables.errors import TableError
-from stlc.milp.tables.link import ends_of
+from stlc.milp.tables.link import Link, ends_of
 from stlc.milp.tables.registry import ENCODINGS, Choice, choose
 from stlc.milp.tables.simplex import Kind
 from stlc.milp.tables.threshold import literal
@@ -79,10 +80,8 @@ def link_value(
 
     Arguments and errors as in `add_link_cost`.
     """
-    ends = ends_of(ctx, channel.partition, pair)
-    table = ends.table(values)
-    link = ends.at(step, user_of(VALUE, table))
-    return choose(ctx, [link], encoding).encoding.value(ctx, link, table)
+    chosen, link, table = _valued(ctx, channel, pair, values, step, encoding)
+    return chosen.value(ctx, link, table)
 
 
 def link_bound(
@@ -97,10 +96,23 @@ def link_bound(
 
     Arguments and errors as in `add_link_cost`.
     """
+    chosen, link, table = _valued(ctx, channel, pair, values, step, encoding)
+    return chosen.below(ctx, link, table)
+
+
+def _valued(
+    ctx: Context,
+    channel: Channel,
+    pair: tuple[str, str],
+    values: ArrayLike,
+    step: int,
+    encoding: str,
+) -> tuple[Encoding, Link, Floats]:
+    """The encoding that is taken for a table's value at a step, the link, and its table."""
     ends = ends_of(ctx, channel.partition, pair)
     table = ends.table(values)
     link = ends.at(step, user_of(VALUE, table))
-    return choose(ctx, [link], encoding).encoding.below(ctx, link, table)
+    return choose(ctx, [link], encoding).encoding, link, table
 
 
 def link_literal(

@@ -20,7 +20,6 @@ from stlc.backends.base import Capability, Solution, Status
 from stlc.errors import InfeasibleError, SolverError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.milp.model import Block, Model, Origin
-from stlc.mission import TermKind
 from stlc.solve import tuning
 from stlc.solve.alone.pieces import Pieces
 from stlc.solve.alone.project import project
@@ -30,15 +29,13 @@ from stlc.solve.strategy import Work
 
 _SLACK = 1e-6  # relative: solvers satisfy rows to within about this
 _OPEN = (Status.FEASIBLE, Status.NO_SOLUTION)  # more may be found in more time
-_NEEDED = Capability.TIME_LIMIT | Capability.GAP
 
 
-def has_lone_runs(work: Work) -> bool:
-    """A team that minimises nothing but effort, by a solver that knows limits, with some time."""
-    mission = work.compiled.mission
-    kinds = {term.kind for term in mission.objective if term.weight != 0}
-    team = len(mission.agents) > 1 and kinds == {TermKind.EFFORT}
-    return team and work.can(_NEEDED) and work.deadline.left >= tuning.LONE.least
+def look_at_each(work: Work) -> Work:
+    """The work with what each agent of a team does alone, as rows and as a bound."""
+    lone = lone_runs(work)
+    found = replace(work, compiled=bounded(work.compiled, lone), lone=lone)
+    return found.with_bound(least(work.compiled, lone))
 
 
 def lone_runs(work: Work) -> tuple[LoneRun, ...]:

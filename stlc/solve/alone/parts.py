@@ -26,12 +26,12 @@ from stlc.ir.rewrite import rewrite
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.mission import Mission
 from stlc.solve import tuning
-from stlc.solve.alone.bounds import has_lone_runs, safe, with_rows
+from stlc.solve.alone.bounds import safe, with_rows
 from stlc.solve.alone.loosened import loosened
 from stlc.solve.alone.pieces import Pieces
 from stlc.solve.alone.project import project
 from stlc.solve.deadline import Deadline
-from stlc.solve.strategy import Strategy, Work
+from stlc.solve.strategy import Work
 from stlc.solve.teams.couplings import Couplings
 
 Group = tuple[str, ...]
@@ -168,13 +168,7 @@ def with_parts(compiled: Compiled, parts: Sequence[Part]) -> Compiled:
     return replace(compiled, model=with_rows(compiled.model, rows, "effort of a few agents"))
 
 
-def _bound_parts(work: Work) -> Work:
+def bound_parts(work: Work) -> Work:
+    """The work with rows for groups of agents, as many as there is time for."""
     deadline = work.deadline.share(tuning.PARTS.share, tuning.PARTS.most)
     return Parts.of(work, deadline).run()
-
-
-def _has_parts(work: Work) -> bool:
-    return has_lone_runs(work) and len(work.lone) > 2
-
-
-PARTS = Strategy("parts", _has_parts, _bound_parts)

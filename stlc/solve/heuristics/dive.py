@@ -29,7 +29,7 @@ from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
 from stlc.solve.heuristics.dive_search import DiveSearch, never, required
 from stlc.solve.heuristics.lattice_runs import reference_points
-from stlc.solve.strategy import Strategy, Work
+from stlc.solve.strategy import Work
 
 _SHORT = 3e-5  # aim this far below the bound, relative: less than any sensible gap
 
@@ -85,15 +85,9 @@ def _covers(compiled: Compiled) -> bool:
     return all(int(c) in known for c in integers)
 
 
-def _applies(work: Work) -> bool:
-    return work.x is None and None in work.compiled.robustness
-
-
-def _look_for_start(work: Work) -> Work:
+def look_for_start(work: Work) -> Work:
+    """The work with a start, and the static bound, where one is found."""
     found = find_start(work.compiled, over=work.deadline.over)
     if found is None:
         return work
     return work.with_bound(found.bound).with_point(found.x, "start search")
-
-
-DIVE = Strategy("dive", _applies, _look_for_start)

@@ -32,8 +32,6 @@ from stlc.solve.routes.visit_bound import Climb, Priced
 from stlc.solve.routes.visits import Search, kinds_of
 from stlc.solve.strategy import Work
 
-MOST_LEGS = 30_000  # more are too slow to price: 89,000 of data_mule took 0.3 s at each step
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bounds:
@@ -55,6 +53,10 @@ class Bounds:
             if graph is not None:
                 visits[name] = Climb(graph)
         return Bounds(grids, {}, visits)
+
+    def says_nothing(self) -> bool:
+        """Whether no agent moves in a way that has a bound."""
+        return not self.visits and not self.gridded
 
     def hopeless(self) -> bool:
         """Whether some agent can't make its visits: there is no plan."""
@@ -160,7 +162,7 @@ def visits_of(grids: Routes, name: str) -> Priced | None:
     place, boxes = places_of(compiled, name, grids.progress, grids.levels, body)
     kinds = kinds_of(boxes)
     ways = None if kinds is None else Search(body, grids.progress, place, kinds, grids.over).ways()
-    return None if ways is None or len(ways.legs) > MOST_LEGS else Priced(body, ways)
+    return None if ways is None else Priced(body, ways)
 
 
 def _left(work: Work, lone: Mapping[str, float], name: str) -> float:

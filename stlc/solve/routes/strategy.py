@@ -2,66 +2,58 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cache, partial
+
 import numpy as np
 
-from stlc.backends.base import Capability, Solution, Status
-from stlc.ir.networks import Count, Network
-from stlc.ir.nodes import walk
-from stlc.mission import TermKind
+from stlc.backends.base import Solution
 from stlc.solve import tuning
 from stlc.solve.routes.bounds import Bounds
 from stlc.solve.routes.finder import Effort, Routes
-from stlc.solve.routes.loose import fits
+from stlc.solve.routes.glance import glance
 from stlc.solve.routes.nearby import FINDER, bettered, polished, solved
 from stlc.solve.routes.tube import tube
-from stlc.solve.strategy import Strategy, Work
-
-_NEEDED = Capability.TIME_LIMIT | Capability.GAP
+from stlc.solve.strategy import Work
 
 
-def applies(work: Work) -> bool:
-    """No plan yet, or one agent alone; no robustness to maximise, agents that are somewhere and
-    have bounded inputs and no turning rate, formulas of and, or and predicates, a model that is
-    not solved in a moment."""
-    mission = work.compiled.mission
-    late = work.x is not None and len(mission.agents) > 1
-    if late or work.compiled.robustness or not work.can(_NEEDED):
-        return False
-    pairs = any(
-        all(end in mission.agents for end in pair)
-        for term in mission.objective if term.kind is TermKind.LINK_COST for pair in term.pairs
-    )  # fmt: skip
-    formulas = (one.formula for one in work.compiled.layout.encoded)
-    if any(isinstance(n, Count | Network) for formula in formulas for n in walk(formula)):
-        return False
-    return not pairs and all(
-        agent.dynamics.position is not None
-        and agent.turn_rate is None
-        and len(agent.input_lower) > 0
-        and np.isfinite(work.compiled.ranges[name].state_lower).all()
-        and np.isfinite(work.compiled.ranges[name].state_upper).all()
-        and np.isfinite(agent.input_lower).all()
-        and np.isfinite(agent.input_upper).all()
-        for name, agent in mission.agents.items()
-    )
-
-
-def _run(work: Work) -> Work | Solution:
+def plan_routes(work: Work) -> Work | Solution:
     """A first plan by ways from visit to visit or else by beams, better ones near it, bounds; where
-    a plan is known, a bound alone."""
-    known, begun = work.x is not None, _glanced(work)
+    a plan is known, or found at a glance, bounds first."""
+    known = cache(partial(_bounds, work))
+    begun = _glanced(work, lambda: known() is None)
     if begun is None or isinstance(begun, Solution):
-        return work if begun is None else begun  # infeasible: settled by the whole model
-    work = begun
+        return begun or work
+    bounds = known()
+    if bounds is not None and bounds.hopeless():
+        return begun.without_plan("ways from visit to visit")
+    if begun.x is None:
+        return _planned(begun, bounds)
+    if bounds is None:
+        return begun
+    bounded = bounds.better(begun, tuning.ROUTES.known_share)
+    return bounded if bounded.proven() else bettered(bounded, tuning.ROUTES.better_share)
+
+
+def _bounds(work: Work) -> Bounds | None:
+    """What can be bound, None for nothing."""
     moment = work.deadline.share(tuning.ROUTES.share, tuning.ROUTES.seconds)
     bounds = Bounds.of(work.compiled, moment.over)
-    if bounds is not None and bounds.hopeless():
-        return work.without_plan("ways from visit to visit")
-    if known:
-        return work if bounds is None else bounds.better(work, tuning.ROUTES.known_share)
-    found = work
-    if bounds is not None and work.x is None:
-        found = _visiting(work, bounds)
+    return None if bounds is None or bounds.says_nothing() else bounds
+
+
+def _glanced(work: Work, goes_on: Callable[[], bool]) -> Work | Solution | None:
+    """The work after a plain solve. Of one agent it goes on for a while where it has a plan, and
+    then to its end where nothing can be bound. A team has none if one was in vain (`brief`)."""
+    soon = work.deadline.share(tuning.ROUTES.share, tuning.ROUTES.glance)
+    if len(work.compiled.states) == 1:
+        return glance(work, soon, work.deadline.within(tuning.ROUTES.known_glance), goes_on)
+    return work if np.isfinite(work.bound) else glance(work, soon, soon)
+
+
+def _planned(work: Work, bounds: Bounds | None) -> Work | Solution:
+    """The work with a first plan, better ones, and bounds."""
+    found = work if bounds is None else _visiting(work, bounds)
     found = _first_plan(found, bounds) if found.x is None else found
     if found.x is None:
         return found
@@ -69,23 +61,6 @@ def _run(work: Work) -> Work | Solution:
     if bounds is None or isinstance(better, Solution):
         return better
     return bounds.better(better, tuning.ROUTES.bound_share)
-
-
-def _glanced(work: Work) -> Work | Solution | None:
-    """The work after a moment of a plain solve: a longer one where a plan is known, none where one
-    was tried in vain before (`brief`); None where that says infeasible or fails."""
-    if work.x is None and np.isfinite(work.bound):
-        return work
-    seconds = tuning.ROUTES.glance if work.x is None else tuning.ROUTES.known_glance
-    moment = work.deadline.share(tuning.ROUTES.share, seconds)
-    glance = solved(work, work.compiled.model, moment.left, work.options.gap)
-    if glance is not None and glance.status is Status.OPTIMAL:
-        return work.concluded(glance)
-    if glance is None or glance.status is Status.INFEASIBLE:
-        return None
-    if glance.bound is not None:
-        work = work.with_bound(glance.bound)
-    return work.with_point(glance.x, "")
 
 
 def _visiting(work: Work, bounds: Bounds) -> Work:
@@ -128,14 +103,3 @@ def _beamed(work: Work, routes: Routes, effort: Effort) -> Work:
         if found is not None and found.x is not None:
             return work.with_point(polished(work, found.x), FINDER)
     return work
-
-
-def _are_on_grids(work: Work) -> bool:
-    """A small team without a plan whose agents all go where their inputs say, for effort."""
-    names = work.compiled.mission.agents
-    team = 1 < len(names) <= tuning.ROUTES.grid_agents and work.x is None
-    return team and applies(work) and all(fits(work.compiled, name) for name in names)
-
-
-GRIDS = Strategy("grids", _are_on_grids, _run)
-ROUTES = Strategy("routes", applies, _run)

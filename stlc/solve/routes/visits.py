@@ -18,6 +18,7 @@ from stlc.solve.relaxation.problem import Body
 from stlc.solve.routes.progress import Open, Progress
 
 MOST_ARCS = 4_000_000
+MOST_LEGS = 30_000  # more are too slow to price: 89,000 of data_mule took 0.3 s at each step
 _MOST_KINDS = 32
 _EDGE = 1e-6
 Label = dict[int, bool]
@@ -76,6 +77,8 @@ class Search:
     _node: dict[tuple[int, int, int, int], int] = field(default_factory=dict)
     _arcs: list[tuple[Ints, Ints]] = field(default_factory=list)
     _ends: list[int] = field(default_factory=list)
+    _from: list[int] = field(default_factory=list)
+    _legs: int = 0
 
     def __post_init__(self) -> None:
         start = np.array([[axis.start[0], axis.start[0]] for axis in self.body.axes])
@@ -99,12 +102,16 @@ class Search:
             for kind, keys in arrived.items():
                 opens = np.array([key[3] for key in keys], np.int64)
                 waiting[kind, t] = (np.array([self._node[key] for key in keys]), opens)
-            if sum(len(a[0]) for a in self._arcs) > MOST_ARCS:
+            if self._is_too_large(t / steps):
                 return None
         done = self._name(frozenset())
         for nodes, opens in waiting.values():
             self._ends.extend(nodes[opens == done].tolist())
         return _pruned(self, steps)
+
+    def _is_too_large(self, part: float) -> bool:
+        """Whether the graph is after this part of its steps: it grows ever faster, or evenly."""
+        return self._legs > part * MOST_LEGS or sum(len(a[0]) for a in self._arcs) > MOST_ARCS
 
     def _within(self, box: Floats) -> bool:
         start = np.array([axis.start[0] for axis in self.body.axes])
@@ -121,7 +128,10 @@ class Search:
         return self._known[open_]
 
     def _number(self, before: int, kind: int, t: int, open_: int) -> int:
-        return self._node.setdefault((before, kind, t, open_), len(self._node))
+        number = self._node.setdefault((before, kind, t, open_), len(self._node))
+        if number == len(self._from):
+            self._from.append(before)
+        return number
 
     def _after(self, t: int, opens: Ints, label: Label) -> Ints:
         """The numbers of what is open after a step (k,), -1 for what can't be fulfilled."""
@@ -151,6 +161,7 @@ class Search:
                 targets = np.array([self._number(*key) for key in keys], np.int64)
                 arrived.setdefault(kind, {}).update(dict.fromkeys(keys))
                 self._arcs.append((nodes[fine], targets[back]))
+                self._legs += len({self._from[node] for node in nodes[fine].tolist()})
         return arrived
 
     def _wait(self, t: int, waiting: dict[tuple[int, int], tuple[Ints, Ints]]) -> None:

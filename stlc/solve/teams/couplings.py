@@ -59,6 +59,23 @@ class Couplings:
         return all(_holds(node, margin, runs) for node, margin in parts)
 
 
+def groups_of(compiled: Compiled) -> list[tuple[str, ...]]:
+    """The team's groups, agents in their order, the group of the first agent first."""
+    couplings = Couplings.of(compiled)
+    found: list[tuple[str, ...]] = []
+    left = dict.fromkeys(compiled.mission.agents)
+    while left:
+        group, todo = set[str](), [next(iter(left))]
+        while todo:
+            name = todo.pop()
+            if name not in group:
+                group.add(name)
+                todo.extend(couplings.partners(name))
+        found.append(tuple(name for name in left if name in group))
+        left = {name: None for name in left if name not in group}
+    return found
+
+
 def _bind(bound: dict[str, frozenset[str]], names: Pair) -> None:
     for name in names:
         bound[name] |= names - {name}

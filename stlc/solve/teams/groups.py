@@ -13,47 +13,17 @@ from dataclasses import replace
 
 from stlc.backends.base import Solution, Status
 from stlc.errors import InfeasibleError
-from stlc.milp.compile import Compiled, CompileOptions, compile_mission
-from stlc.mission import TermKind
+from stlc.milp.compile import CompileOptions, compile_mission
 from stlc.solve.alone.run import Run
-from stlc.solve.strategy import Strategy, Work
-from stlc.solve.teams.couplings import Couplings
+from stlc.solve.strategy import Work
+from stlc.solve.teams.couplings import groups_of
 from stlc.solve.teams.held import against
-from stlc.solve.teams.turns import NEEDED
 from stlc.solve.teams.whole import completed
 
 _ROUNDING = 1e-7  # relative: of sums of bounds
 
 
-def groups_of(compiled: Compiled) -> list[tuple[str, ...]]:
-    """The team's groups, agents in their order, the group of the first agent first."""
-    couplings = Couplings.of(compiled)
-    found: list[tuple[str, ...]] = []
-    left = dict.fromkeys(compiled.mission.agents)
-    while left:
-        group, todo = set[str](), [next(iter(left))]
-        while todo:
-            name = todo.pop()
-            if name not in group:
-                group.add(name)
-                todo.extend(couplings.partners(name))
-        found.append(tuple(name for name in left if name in group))
-        left = {name: None for name in left if name not in group}
-    return found
-
-
-def _falls_apart(work: Work) -> bool:
-    """A team of two groups or more, whose costs add up."""
-    mission = work.compiled.mission
-    terms = [term for term in mission.objective if term.weight != 0]
-    if len(mission.agents) < 2 or any(t.kind is TermKind.ROBUSTNESS for t in terms):
-        return False
-    stations = mission.stations.keys()
-    fixed = any(stations >= set(pair) for term in terms for pair in term.pairs)
-    return not fixed and work.can(NEEDED) and len(groups_of(work.compiled)) > 1
-
-
-def _solve_apart(work: Work) -> Work | Solution:
+def solve_apart(work: Work) -> Work | Solution:
     """Each group's own model; bounds add up, and runs are completed to a point of the whole."""
     runs: dict[str, Run] = {}
     bound, groups = 0.0, groups_of(work.compiled)
@@ -85,9 +55,6 @@ def _part(work: Work, group: Sequence[str], left: int) -> Work | None:
 
 
 def _solved(part: Work) -> Solution:
-    from stlc.solve.strategies import run_strategies, strategies_named
+    from stlc.solve.strategies import GROUPS, run_strategies, strategies_named
 
     return run_strategies([s for s in strategies_named("auto") if s is not GROUPS], part)
-
-
-GROUPS = Strategy("groups", _falls_apart, _solve_apart)

@@ -14,12 +14,12 @@ from stlc.mission import TermKind
 from stlc.solve import tuning
 from stlc.solve.alone.run import Run
 from stlc.solve.deadline import Deadline
-from stlc.solve.strategy import Strategy, Work
+from stlc.solve.strategy import Work
 from stlc.solve.teams.answers import Answers
 from stlc.solve.teams.corridors import Corridor, beside
 from stlc.solve.teams.couplings import Couplings
 from stlc.solve.teams.neighbourhoods import Neighbourhoods
-from stlc.solve.teams.turns import NEEDED, Turns
+from stlc.solve.teams.turns import Turns
 from stlc.solve.teams.whole import completed
 
 _LEAST = 1e-4  # relative: runs that are held to within 1e-5 differ by less than this in cost
@@ -36,10 +36,22 @@ class Improvement:
     def run(self) -> Work:
         """The work with the best point found."""
         self._take_alone()
-        if self.work.x is None or self.work.proven():
-            return self.work
-        search, corridor, size = self._from_incumbent(), Corridor(idle=self.priced), 1
-        while not (self.deadline.over() or self.work.proven()):
+        if self.work.x is not None and not self._is_near():
+            self._descend()
+        if self.work.x is not None and self._is_near() and not self.work.proven():
+            search = self._from_incumbent(self.work.options.gap)
+            search.sweep(1)
+            self._take(search.runs, "neighbourhoods")
+        return self.work
+
+    def _descend(self) -> None:
+        """Larger and larger neighbourhoods, tubes in between, until nothing betters the plan."""
+        search, corridor, size = (
+            self._from_incumbent(tuning.NEAR.gap),
+            Corridor(idle=self.priced),
+            1,
+        )
+        while not (self.deadline.over() or self._is_near()):
             before = self.work.value
             if not corridor.idle:
                 self.work = corridor.better(self.work, self._moment())
@@ -50,7 +62,11 @@ class Improvement:
             size = 1 if self.work.value < before - search.worth else size + 1
             if corridor.idle and size > tuning.NEAR.agents:
                 break
-        return self.work
+
+    def _is_near(self) -> bool:
+        """Whether the plan is as near the bound as answers come: only exact ones tell more."""
+        slack = tuning.NEAR.gap * abs(self.work.value)
+        return self.work.proven() or self.work.bound >= self.work.value - slack
 
     def _moment(self) -> Deadline:
         return self.deadline.share(tuning.NEAR.share, tuning.NEAR.seconds)
@@ -71,14 +87,14 @@ class Improvement:
         if runs is not None:
             self._take(runs, "turns")
 
-    def _from_incumbent(self) -> Neighbourhoods:
-        value, gap = abs(self.work.value), self.work.options.gap
-        worth = max(tuning.NEAR.worth * gap * value, _LEAST * (1 + value))
-        gap = max(gap, tuning.NEAR.gap)
+    def _from_incumbent(self, gap: float) -> Neighbourhoods:
+        """A search whose answers come within that gap."""
+        value, asked = abs(self.work.value), self.work.options.gap
+        worth = max(tuning.NEAR.worth * asked * value, _LEAST * (1 + value))
         lone = {one.agent: one for one in self.work.lone}
         answers = Answers.of(self.work)
         runs, spare = self._runs(), self._spare()
-        return Neighbourhoods(answers, self.deadline, runs, worth, gap, lone, spare)
+        return Neighbourhoods(answers, self.deadline, runs, worth, max(gap, asked), lone, spare)
 
     def _runs(self) -> dict[str, Run]:
         assert self.work.x is not None
@@ -104,24 +120,8 @@ class Improvement:
         return self.work is not work
 
 
-def _improve(work: Work) -> Work:
-    priced = TermKind.LINK_COST in _kinds(work)
+def improve(work: Work) -> Work:
+    """The work with the best plan found in time."""
+    priced = TermKind.LINK_COST in work.kinds
     share = tuning.NEAR.priced if priced else tuning.NEAR.effort
     return Improvement(work, work.deadline.share(share, tuning.NEAR.most), priced).run()
-
-
-def _kinds(work: Work) -> set[TermKind]:
-    return {term.kind for term in work.compiled.mission.objective if term.weight != 0}
-
-
-def _may_improve(work: Work) -> bool:
-    """A team with a plan, or with what its agents do alone, that costs effort or links; pairs that
-    pay for their link have `link_search.py`."""
-    kinds, agents = _kinds(work), len(work.compiled.mission.agents)
-    pair = agents == 2 and TermKind.LINK_COST in kinds
-    team = agents > 1 and not pair and TermKind.ROBUSTNESS not in kinds
-    known = work.x is not None or bool(work.lone)
-    return team and bool(kinds) and known and work.can(NEEDED)
-
-
-NEIGHBOURHOODS = Strategy("neighbourhoods", _may_improve, _improve)

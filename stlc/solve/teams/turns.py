@@ -14,15 +14,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stlc.arrays import Floats
-from stlc.backends.base import Capability
-from stlc.mission import TermKind
 from stlc.solve import tuning
 from stlc.solve.deadline import Deadline
-from stlc.solve.strategy import Strategy, Work
+from stlc.solve.strategy import Work
 from stlc.solve.teams.answers import Answer, Answers, Effort, Runs
 from stlc.solve.teams.whole import completed
-
-NEEDED = Capability.TIME_LIMIT | Capability.GAP
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,16 +102,8 @@ class Turns:
         return None
 
 
-def _may_plan(work: Work) -> bool:
-    """A team without a plan, but for two agents that pay for their link (`link_search.py`)."""
-    mission = work.compiled.mission
-    kinds = {term.kind for term in mission.objective if term.weight != 0}
-    pair = len(mission.agents) == 2 and TermKind.LINK_COST in kinds
-    team = len(mission.agents) > 1 and not pair and TermKind.ROBUSTNESS not in kinds
-    return team and work.x is None and work.can(NEEDED)
-
-
-def _plan(work: Work) -> Work:
+def plan_in_turns(work: Work) -> Work:
+    """The work with a first plan, if one is found in time."""
     deadline = work.deadline.share(tuning.TURNS.all, tuning.TURNS.most)
     answers = Answers.of(work)
     runs = Turns(answers, deadline).plan(list(work.compiled.states))
@@ -123,6 +111,3 @@ def _plan(work: Work) -> Work:
         return work
     asked = work.deadline.bind(work.options)
     return work.with_point(completed(work.compiled, runs, work.backend, asked), "turns")
-
-
-TURNS = Strategy("turns", _may_plan, _plan)

@@ -1,7 +1,5 @@
 """Teams bounded and started from what each agent does alone."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -11,15 +9,13 @@ from stlc.backends.base import SolveOptions, Status
 from stlc.ir.nodes import Link, walk
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.mission import Mission
+from stlc.record import changed
 from stlc.solve import tuning
 from stlc.solve.alone.bounds import bounded, least, lone_runs
 from stlc.solve.alone.project import project
-from stlc.solve.alone.strategy import LONE
 from stlc.solve.judge import Judge
-from stlc.solve.strategies import run_strategies, run_strategy
+from stlc.solve.strategies import LONE, NEIGHBOURHOODS, TURNS, run_strategies, run_strategy
 from stlc.solve.strategy import Work
-from stlc.solve.teams.improvement import NEIGHBOURHOODS
-from stlc.solve.teams.turns import TURNS
 
 HIGHS = backends.get("highs")
 EXACT = SolveOptions(gap=1e-6)
@@ -82,7 +78,7 @@ def test_the_strategy_has_the_optimum_of_the_plain_model(
     seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(
-        tuning, "BRIEF", replace(tuning.BRIEF, columns=0)
+        tuning, "BRIEF", changed(tuning.BRIEF, columns=0)
     )  # or they would be solved at once
     task = mission(seed, agents=2 + seed % 2)
     compiled = compile_mission(task)

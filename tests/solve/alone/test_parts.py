@@ -13,9 +13,8 @@ from stlc.backends.base import SolveOptions
 from stlc.ir.nodes import Linear, Link, walk
 from stlc.milp.compile import compile_mission
 from stlc.solve.alone.loosened import loosened
-from stlc.solve.alone.parts import PARTS, Part, bound_of
-from stlc.solve.alone.strategy import LONE
-from stlc.solve.strategies import run_strategy
+from stlc.solve.alone.parts import Part, bound_of
+from stlc.solve.strategies import LONE, PARTS, run_strategy
 from stlc.solve.strategy import Work
 
 HIGHS = backends.get("highs")

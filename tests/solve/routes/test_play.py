@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,14 +14,14 @@ from stlc.backends import get
 from stlc.backends.base import SolveOptions, Status
 from stlc.errors import InfeasibleError
 from stlc.milp.compile import Compiled, compile_mission
+from stlc.record import changed
 from stlc.solve import tuning
 from stlc.solve.routes.finder import Routes
 from stlc.solve.routes.loose import fits
 from stlc.solve.routes.play import play_of
-from stlc.solve.routes.strategy import GRIDS, ROUTES
 from stlc.solve.routes.traced import traced
 from stlc.solve.routes.tube import within
-from stlc.solve.strategies import run_strategy
+from stlc.solve.strategies import GRIDS, ROUTES, run_strategy
 from stlc.solve.strategy import Work
 
 DOOR = """step {step} s
@@ -175,7 +174,7 @@ def test_speaks_of_nothing_else(old: str, new: str) -> None:
 
 def test_bound_is_that_of_the_solve(monkeypatch: pytest.MonkeyPatch) -> None:
     """The rows and the bound leave the optimum where it is."""
-    quick = replace(tuning.ROUTES, glance=0.0, better_seconds=0.0, cuts=(1, 2))
+    quick = changed(tuning.ROUTES, glance=0.0, better_seconds=0.0, cuts=(1, 2))
     monkeypatch.setattr(tuning, "ROUTES", quick)
     one = compile_mission(loads(TILTED))
     found = run_strategy("routes", one, get("highs"), SolveOptions(time_limit=100.0, gap=1e-6))
@@ -185,7 +184,7 @@ def test_bound_is_that_of_the_solve(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_team_on_grids_is_planned_and_proven_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """`grids` ahead of `turns`; it leaves other agents, and teams that have a plan, alone."""
-    monkeypatch.setattr(tuning, "ROUTES", replace(tuning.ROUTES, glance=0.0))
+    monkeypatch.setattr(tuning, "ROUTES", changed(tuning.ROUTES, glance=0.0))
     one = compile_mission(loads(APART))
     work = Work.of(one, get("highs"), SolveOptions(time_limit=60.0))
     assert GRIDS.applies(work)
@@ -201,7 +200,7 @@ def test_team_on_grids_is_planned_and_proven_at_once(monkeypatch: pytest.MonkeyP
 def test_plan_comes_from_grids_where_beams_find_none(monkeypatch: pytest.MonkeyPatch) -> None:
     """They are not even tried here."""
     grids: dict[str, Any] = {"efforts": ((1, 1, 0.0, 1.0),), "first_efforts": 0}
-    quick = replace(tuning.ROUTES, glance=0.0, better_seconds=0.0, **grids)
+    quick = changed(tuning.ROUTES, glance=0.0, better_seconds=0.0, **grids)
     monkeypatch.setattr(tuning, "ROUTES", quick)
     one = compile_mission(loads(MISSIONS["door"]))
     done = ROUTES.run(Work.of(one, get("highs"), SolveOptions(time_limit=60.0, gap=1e-6)))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from support.worlds import value
@@ -13,12 +11,12 @@ from stlc.backends import get
 from stlc.backends.base import Solution, SolveOptions, Status
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.milp.violations import violations
+from stlc.record import changed
 from stlc.solve import tuning
 from stlc.solve.outcome import SolveSettings
 from stlc.solve.routes.finder import Effort, Routes
-from stlc.solve.routes.strategy import ROUTES
 from stlc.solve.routes.tube import covers, tube
-from stlc.solve.strategies import run_strategy
+from stlc.solve.strategies import ROUTES, run_strategy
 from stlc.solve.strategy import Work
 
 DOOR = """step 1 s
@@ -90,7 +88,7 @@ def test_stops_when_asked_and_finds_none_where_there_is_none() -> None:
 
 def answer(text: str, monkeypatch: pytest.MonkeyPatch) -> tuple[Compiled, Solution]:
     """By routes alone: no glance at the whole model."""
-    monkeypatch.setattr(tuning, "ROUTES", replace(tuning.ROUTES, glance=0.0))
+    monkeypatch.setattr(tuning, "ROUTES", changed(tuning.ROUTES, glance=0.0))
     one = compiled(text)
     return one, run_strategy("routes", one, get("highs"), SolveOptions(time_limit=60.0))
 
@@ -108,7 +106,7 @@ def test_proves_what_the_whole_model_proves(text: str, monkeypatch: pytest.Monke
 
 
 def test_plan_comes_from_routes_and_keeps_the_mission(monkeypatch: pytest.MonkeyPatch) -> None:
-    quick = replace(tuning.ROUTES, glance=0.0, better_seconds=1.0)
+    quick = changed(tuning.ROUTES, glance=0.0, better_seconds=1.0)
     monkeypatch.setattr(tuning, "ROUTES", quick)
     work = Work.of(compiled(DOUBLE), get("highs"), SolveOptions(time_limit=60.0))
     assert ROUTES.applies(work)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import Phase, given, settings
@@ -14,6 +12,7 @@ from stlc.backends import get
 from stlc.backends.base import SolveOptions, Status
 from stlc.errors import InfeasibleError
 from stlc.milp.compile import Compiled, compile_mission
+from stlc.record import changed
 from stlc.solve import tuning
 from stlc.solve.routes.bounds import Bounds, only_effort, visits_of
 from stlc.solve.routes.finder import Routes
@@ -176,7 +175,7 @@ def test_out_of_reach_is_hopeless() -> None:
 
 def test_bound_is_that_of_the_solve(monkeypatch: pytest.MonkeyPatch) -> None:
     """The rows and the bound leave the optimum where it is."""
-    quick = replace(tuning.ROUTES, glance=0.0, better_seconds=0.0)
+    quick = changed(tuning.ROUTES, glance=0.0, better_seconds=0.0)
     monkeypatch.setattr(tuning, "ROUTES", quick)
     one = compile_mission(loads(ROUNDS))
     found = run_strategy("routes", one, get("highs"), SolveOptions(time_limit=100.0, gap=1e-5))

@@ -1,0 +1,128 @@
+"""Where each strategy may run: cheap questions to the work as it stands, by structure alone.
+
+They stand apart from the searches, so that no search is imported that does not run.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stlc.backends.base import Capability
+from stlc.ir.networks import Count, Network
+from stlc.ir.nodes import walk
+from stlc.mission import TermKind
+from stlc.solve import tuning
+from stlc.solve.strategy import LIMITED, Work
+
+
+def is_small(work: Work) -> bool:
+    """`brief`: a team whose plain solve mostly ends, or has a plan, before any search has."""
+    compiled = work.compiled
+    small = not compiled.robustness and compiled.model.columns <= tuning.BRIEF.columns
+    return _is_team(work) and small and work.can(Capability.TIME_LIMIT)
+
+
+def may_plan(work: Work) -> bool:
+    """`turns`: a team without a plan. Two agents that pay for their link have `links`; what two
+    do alone, where effort is all they spend, mostly is a plan or near one (`neighbourhoods`)."""
+    two = len(work.compiled.mission.agents) == 2 and has_lone_runs(work)
+    return _is_costly_team(work) and work.x is None and not two and work.can(LIMITED)
+
+
+def falls_apart(work: Work) -> bool:
+    """`groups`: a team of two groups or more, whose costs add up."""
+    mission = work.compiled.mission
+    terms = [term for term in mission.objective if term.weight != 0]
+    if not _is_team(work) or any(t.kind is TermKind.ROBUSTNESS for t in terms):
+        return False
+    stations = mission.stations.keys()
+    if any(stations >= set(pair) for term in terms for pair in term.pairs):
+        return False
+    from stlc.solve.teams.couplings import groups_of
+
+    return work.can(LIMITED) and len(groups_of(work.compiled)) > 1
+
+
+def may_grid(work: Work) -> bool:
+    """`grids`: a small team without a plan whose agents all go where their inputs say, for
+    effort."""
+    names = work.compiled.mission.agents
+    if work.x is not None or not 1 < len(names) <= tuning.ROUTES.grid_agents or not _is_open(work):
+        return False
+    from stlc.solve.routes.loose import fits
+
+    return all(fits(work.compiled, name) for name in names)
+
+
+def may_route(work: Work) -> bool:
+    """`routes`: no plan yet, or one agent alone. What two agents spend alone is known sooner."""
+    late = work.x is not None and _is_team(work)
+    two = len(work.compiled.mission.agents) == 2 and has_lone_runs(work)
+    return not late and not two and _is_open(work)
+
+
+def _is_open(work: Work) -> bool:
+    """Open to beams: no robustness to maximise, no links that cost, no networks, agents that are
+    somewhere, with bounded states and inputs and no turning rate."""
+    compiled = work.compiled
+    if compiled.robustness or not work.can(LIMITED) or _pays_for_pairs(work):
+        return False
+    formulas = (one.formula for one in compiled.layout.encoded)
+    if any(isinstance(n, Count | Network) for formula in formulas for n in walk(formula)):
+        return False
+    return all(_is_movable(work, name) for name in compiled.states)
+
+
+def has_lone_runs(work: Work) -> bool:
+    """`lone`: a team that minimises nothing but effort, with some time."""
+    team = _is_team(work) and work.kinds == {TermKind.EFFORT}
+    return team and work.can(LIMITED) and work.deadline.left >= tuning.LONE.least
+
+
+def may_improve(work: Work) -> bool:
+    """`neighbourhoods`: a team with a plan, or with what its agents do alone, that costs effort or
+    links; pairs that pay for their link have `links`."""
+    known = work.x is not None or bool(work.lone)
+    return _is_costly_team(work) and bool(work.kinds) and known and work.can(LIMITED)
+
+
+def has_parts(work: Work) -> bool:
+    """`parts`: more than two agents whose effort alone is known."""
+    return has_lone_runs(work) and len(work.lone) > 2
+
+
+def may_search_links(work: Work) -> bool:
+    """`links`: a team with a radio."""
+    return _is_team(work) and bool(work.compiled.mission.channels) and work.can(LIMITED)
+
+
+def may_dive(work: Work) -> bool:
+    """`dive`: the robustness of all requirements is maximised, and no plan is known."""
+    return work.x is None and None in work.compiled.robustness
+
+
+def _is_team(work: Work) -> bool:
+    return len(work.compiled.mission.agents) > 1
+
+
+def _is_costly_team(work: Work) -> bool:
+    """A team that maximises no robustness, but for two agents that pay for their link."""
+    objective = work.kinds
+    pair = len(work.compiled.mission.agents) == 2 and TermKind.LINK_COST in objective
+    return _is_team(work) and not pair and TermKind.ROBUSTNESS not in objective
+
+
+def _pays_for_pairs(work: Work) -> bool:
+    """Whether some link between two agents costs."""
+    mission = work.compiled.mission
+    costs = (term for term in mission.objective if term.kind is TermKind.LINK_COST)
+    return any(mission.agents.keys() >= set(pair) for term in costs for pair in term.pairs)
+
+
+def _is_movable(work: Work, name: str) -> bool:
+    """An agent that is somewhere, with bounded states and inputs and no turning rate."""
+    agent, ranges = work.compiled.mission.agents[name], work.compiled.ranges[name]
+    if agent.dynamics.position is None or agent.turn_rate is not None or not len(agent.input_lower):
+        return False
+    ends = (ranges.state_lower, ranges.state_upper, agent.input_lower, agent.input_upper)
+    return all(bool(np.isfinite(end).all()) for end in ends)
