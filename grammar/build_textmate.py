@@ -18,6 +18,11 @@ from stlc.grammar.units import UNITS
 FILE = Path(__file__).resolve().parent / "vscode" / "syntaxes" / "stl.tmLanguage.json"
 
 
+_SHAPES = [
+    "BOX", "POLYGON", "HOLE", "GEOJSON", "FEATURE", "MOVING", "INFLATE", "VELOCITY", "LINE", "LOSS",
+]  # fmt: skip
+
+
 def _alternatives(kinds: list[str], *, letters: bool = False) -> str:
     """The words of these terminals; `letters` also takes those of one letter."""
     spellings = tables().spellings
@@ -35,7 +40,6 @@ def patterns() -> list[dict[str, Any]]:
     statements = _alternatives([name for name in spellings if name.startswith("ST_")])
     temporal = ["ALWAYS", "EVENTUALLY", "NEXT", "UNTIL", "RELEASE"]
     logic = ["NOT", "AND", "OR", "IMPLIES", "IFF", "IN", "OUTSIDE", "SWEPT", "SAMPLED"]
-    shapes = ["BOX", "POLYGON", "HOLE", "GEOJSON", "FEATURE", "MOVING", "INFLATE", "VELOCITY"]
     unit = "|".join(map(re.escape, sorted(UNITS, key=lambda word: (-len(word), word))))
     symbols = {w for group in spellings.values() for w in group if not w[0].isalpha()}
     operators = symbols - set("()[]{},;:.=") - {".."}
@@ -57,7 +61,7 @@ def patterns() -> list[dict[str, Any]]:
         _match("keyword.operator.temporal", r"\b[GFXUR](?:_?(?=\[)|(?=\s*\(|\s+[\w(]))"),
         _match("keyword.operator.logical", rf"\b(?:{_alternatives(logic)})\b"),
         _match("keyword.other.quantifier", r"\b(?:forall|exists|sum)\b(?=[ \t]+[\w(])"),
-        _match("storage.type.shape", rf"\b(?:{_alternatives(shapes)})\b(?=\s*[\[({{\"\d.-])"),
+        _match("storage.type.shape", rf"\b(?:{_alternatives(_SHAPES)})\b(?=\s*[\[({{\"\d.-])"),
         _match("constant.language", r"\b(?:true|false|inf)\b"),
         _match("entity.name.function", r"\b[A-Za-z_]\w*(?=\()"),
         _match("variable.other", r"\b[A-Za-z_]\w*\b"),

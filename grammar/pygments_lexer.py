@@ -31,7 +31,18 @@ def _symbols() -> tuple[str, ...]:
 _TEMPORAL = _words("ALWAYS", "EVENTUALLY", "NEXT", "UNTIL", "RELEASE")
 _LOGIC = _words("NOT", "AND", "OR", "IMPLIES", "IFF", "IN", "OUTSIDE", "SWEPT", "SAMPLED")
 _BINDERS = _words("FORALL", "EXISTS", "SUM")
-_SHAPES = ("box", "polygon", "hole", "geojson", "feature", "moving", "inflate", "velocity")
+_SHAPES = (
+    "box",
+    "polygon",
+    "hole",
+    "geojson",
+    "feature",
+    "moving",
+    "inflate",
+    "velocity",
+    "line",
+    "loss",
+)
 _UNIT = "|".join(sorted(UNITS, key=len, reverse=True))
 
 

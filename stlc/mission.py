@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stlc.ir.requirement import Requirement
-from stlc.places import Obstacle, Polytope, Region
+from stlc.places import Obstacle, Polytope, Region, Wall
 from stlc.preferences import Preference
 from stlc.sense import Sense
 from stlc.source import Source, Span
@@ -267,6 +267,7 @@ class Mission:
     params: Mapping[str, str] = field(default_factory=dict)  # what `-D` set, as it was given
     preferences: tuple[Preference, ...] = ()
     caps: tuple[Cap, ...] = ()
+    walls: Mapping[str, Wall] = field(default_factory=dict)
 
     @property
     def aerial(self) -> bool:

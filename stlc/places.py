@@ -49,6 +49,20 @@ class Region:
 
 
 @dataclass(frozen=True, slots=True)
+class Wall:
+    """What takes `loss` [dB] of a link whose line of sight crosses it; None where only a fit can
+    tell. `line` are the corners of one that is drawn by a line [m]: each stretch of it counts;
+    `outlines` and convex `pieces` those of one with a thickness, which counts once."""
+
+    name: str
+    loss: float | None
+    line: tuple[tuple[float, float], ...] = ()
+    outlines: tuple[Outline, ...] = ()
+    pieces: tuple[Polytope, ...] = ()
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Track:
     """An obstacle's shape and motion as the file gives them.
 

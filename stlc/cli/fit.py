@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from stlc.cli.answer import answer
 from stlc.errors import UsageError
 from stlc.files import check_writable
+
+if TYPE_CHECKING:
+    from stlc.radio.walls import Walls
 
 
 @click.command("fit")
@@ -38,6 +42,8 @@ from stlc.files import check_writable
     show_default=True,
     help="Draws the samples held back.",
 )
+@click.option("--walls", type=click.Path(path_type=Path),
+              help="A file with `wall` statements: their losses are estimated.")  # fmt: skip
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Report as a picture (PNG).")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def fit_command(
@@ -51,6 +57,7 @@ def fit_command(
     height: float,
     where: str | None,
     seed: int,
+    walls: Path | None,
     output: Path | None,
     as_json: bool,
 ) -> int:
@@ -65,7 +72,8 @@ def fit_command(
     from stlc.radio.read import SampleOptions, read_samples
     from stlc.radio.report import fit_csv, format_summary
 
-    options = FitOptions(d0=d0, receiver_offsets=offsets, seed=seed)
+    drawn = None if walls is None else _walls(walls)
+    options = FitOptions(d0=d0, receiver_offsets=offsets, seed=seed, walls=drawn)
     reading = SampleOptions(height, floor, None if where is None else _column(where), not_heard)
     for path in (samples, test):
         if path is not None and not path.exists():
@@ -78,6 +86,18 @@ def fit_command(
         plot_summary(summary, output)
     answer(summary.as_dict()) if as_json else click.echo(format_summary(summary))
     return 0
+
+
+def _walls(path: Path) -> Walls:
+    """The walls of a mission file, or of one that holds nothing else."""
+    from stlc.api import load
+    from stlc.sema.walls import as_radio
+
+    mission = load(path)
+    drawn = as_radio(mission.walls.values())
+    if drawn is None:
+        raise UsageError(f"{path} has no walls: `wall brick = line (0, 0) (3, 0)`")
+    return drawn
 
 
 def _column(text: str) -> tuple[str, str]:

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stlc.mission import Mission
-from stlc.places import Obstacle, Polytope
+from stlc.places import Obstacle, Polytope, Wall
 from stlc.plan import Plan
 from stlc.plot.labels import Labels
-from stlc.plot.style import BODY, BUFFER, REGION, SMALL, Look
+from stlc.plot.style import BODY, BUFFER, QUIET, REGION, SMALL, Look
 from stlc.verify.paths import Path, paths
 
 if TYPE_CHECKING:
@@ -57,6 +57,8 @@ def draw_surroundings(axes: Axes, mission: Mission, without: Collection[str] = (
     for obstacle in (o for o in mission.obstacles.values() if o.name not in without):
         _obstacle(axes, obstacle, mission.horizon)
         _label(labels, obstacle.name, obstacle.frames[0], color=BODY, fontsize=SMALL)
+    for wall in mission.walls.values():
+        _wall(axes, wall)
     for station in mission.stations.values():
         x, y = station.position
         axes.plot(x, y, marker="^", markersize=10, color="white", markeredgecolor="black",
@@ -77,6 +79,14 @@ def _obstacle(axes: Axes, obstacle: Obstacle, horizon: int) -> None:
             _fill(axes, obstacle.frames[frame], **buffer, linewidth=0.9, alpha=fade, zorder=2)
         _fill(axes, obstacle.bodies[frame], facecolor=BUFFER, edgecolor=BODY, linewidth=1.0,
               alpha=fade, zorder=2, hatch="////" if len(shown) == 1 else None)  # fmt: skip
+
+
+def _wall(axes: Axes, wall: Wall) -> None:
+    """What links cross: it hinders nobody on the way."""
+    if wall.line:
+        axes.plot(*np.array(wall.line).T, color=QUIET, linewidth=2.4, zorder=2)
+    if wall.pieces:
+        _fill(axes, wall.pieces, facecolor="none", edgecolor=QUIET, linewidth=1.6, zorder=2)
 
 
 def _agent(axes: Axes, path: Path, horizon: int, look: Look) -> Array:

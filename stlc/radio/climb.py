@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stlc.radio.likelihood import Evaluation, evaluate
-from stlc.radio.problem import FIXED, Problem, make_blocks
+from stlc.radio.problem import Problem, make_blocks
 from stlc.radio.samples import Merged
 from stlc.radio.sites import Sites, initial_sites
 from stlc.radio.tobit import Regression
@@ -122,7 +122,7 @@ def _scale(problem: Problem) -> float:
 def _starts(problem: Problem, alone: Regression) -> list[Array]:
     base = [(f, s) for s in (0.5, 0.8) for f in (0.1, 0.3, 1.0, 0.03)]
     starts = [_start(problem.merged, alone.variance, s) for _, s in base]
-    squares = np.append(alone.coefficients[FIXED:] ** 2, alone.variance)
+    squares = np.append(alone.coefficients[problem.fixed :] ** 2, alone.variance)
     offset = float(squares.mean())
     for start, (share, _) in zip(starts, base, strict=True):
         start.update(length=_scale(problem) * share, offset=offset)

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.radio.climb import BLOCK_ROWS, POLISH_ROWS, optimise, standard_errors, start_sites
+from stlc.radio.climb import BLOCK_ROWS, optimise, standard_errors, start_sites
 from stlc.radio.errors import FitError
 from stlc.radio.evidence import Evidence
+from stlc.radio.fit_words import method_of, notes_of
 from stlc.radio.gp import ChannelModel, condition_on, evidence_for
 from stlc.radio.kernel import DIRECTED, KernelName
 from stlc.radio.likelihood import Evaluation, evaluate
@@ -20,6 +21,8 @@ from stlc.radio.problem import FIXED, Problem, make_problem
 from stlc.radio.samples import Merged, Samples, distinct, merge
 from stlc.radio.threads import single_thread
 from stlc.radio.tobit import Regression, regress
+from stlc.radio.wall_losses import Open, losses_of, wall_errors, wall_notes
+from stlc.radio.walls import Walls
 
 Array = NDArray[np.float64]
 
@@ -34,7 +37,8 @@ or more coarsely."""
 @dataclass(frozen=True, slots=True)
 class FitOptions:
     """d0 [m]; one unknown offset for each receiver; kernel; how many of the
-    starts are climbed; inducing links at most; seed of the subset for the restarts."""
+    starts are climbed; inducing links at most; seed of the subset for the restarts; walls whose
+    losses are estimated."""
 
     d0: float = 1.0
     receiver_offsets: bool = False
@@ -42,6 +46,7 @@ class FitOptions:
     restarts: int = 2
     centres: int = 800
     seed: int = 0
+    walls: Walls | None = None
 
     def __post_init__(self) -> None:
         if self.restarts < 1 or self.centres < 1:
@@ -116,9 +121,30 @@ def fit_channel(samples: Samples, options: FitOptions | None = None) -> FitRepor
     by, and a deviation of each link by itself is fitted beside the shadowing; repeats that are all
     equal are copies and count once. Censored samples enter by expectation propagation; up to
     EXACT_ROWS links the likelihood is exact, beyond it is one of independent blocks.
-    Raises FitError when the samples cannot determine the channel.
+    Walls' losses are fixed effects, as L0 and n are; one that the samples give no loss counts as
+    none. Raises FitError when the samples cannot determine the channel.
     """
     options = options or FitOptions()
+    if options.walls is not None:
+        return fit_with_walls(samples, options, options.walls)
+    return _fit(samples, options, None)
+
+
+def fit_with_walls(samples: Samples, options: FitOptions, walls: Walls) -> FitReport:
+    """The channel with the losses of walls; those that come out negative are left out, the most
+    negative first, and so are walls that no link crosses."""
+    open_ = np.flatnonzero(walls.crossed(samples.links).any(axis=0))
+    while True:
+        fit = _fit(samples, options, (walls, open_))
+        assert fit.model.walls is not None
+        loss = fit.model.walls.loss
+        if not len(open_) or loss[open_].min() >= 0.0:
+            return fit
+        open_ = open_[open_ != open_[np.argmin(loss[open_])]]
+
+
+def _fit(samples: Samples, options: FitOptions, walls: Open | None) -> FitReport:
+    """A fit of everything, among it the losses of the walls that are open."""
     started = time.perf_counter()
     _check(samples, options.d0)
     if not options.receiver_offsets:
@@ -128,22 +154,27 @@ def fit_channel(samples: Samples, options: FitOptions | None = None) -> FitRepor
     if copied:
         samples = distinct(samples)
         merged = merge(samples)
-    features = mean_features(merged.samples, options)
-    alone = regress(mean_features(samples, options), samples.rssi, samples.floor, samples.censored)
+    features = mean_features(merged.samples, options, walls)
+    plain = mean_features(samples, options, walls)
+    alone = regress(plain, samples.rssi, samples.floor, samples.censored)
     size = EXACT_ROWS if len(merged.samples) <= EXACT_ROWS else BLOCK_ROWS
-    problem = make_problem(merged, features, size, options.kernel)
+    fixed = FIXED + (0 if walls is None else len(walls[1]))
+    problem = make_problem(merged, features, size, options.kernel, fixed)
     theta = optimise(problem, alone, options.restarts, options.seed)
     last = evaluate(problem, theta, start_sites(problem, theta, alone))
-    prior = _model(problem, theta, last, samples.names, options)
+    prior = _model(problem, theta, last, samples.names, options, walls)
     evidence = evidence_for(prior, merged.samples, last.sites.target, last.sites.noise)
     model = condition_on(prior, evidence, options.centres)
     return FitReport(
-        model=model, path_loss=_path_loss(alone, samples, options),
-        standard_errors=standard_errors(problem, theta, last, alone),
+        model=model, path_loss=_path_loss(alone, samples, options, walls),
+        standard_errors=(
+            *standard_errors(problem, theta, last, alone), *wall_errors(walls, last.covariance),
+        ),
         log_likelihood=last.likelihood, log_likelihood_path_loss=alone.log_likelihood,
         restricted=last.value, samples=len(samples), links=len(evidence),
-        censored=int(samples.censored.sum()), method=_method(problem, model), evidence=evidence,
-        seconds=time.perf_counter() - started, notes=_notes(problem, model, samples, copied),
+        censored=int(samples.censored.sum()), method=method_of(problem, model), evidence=evidence,
+        seconds=time.perf_counter() - started,
+        notes=(*notes_of(problem, model, samples, copied), *wall_notes(samples, walls)),
     )  # fmt: skip
 
 
@@ -168,11 +199,13 @@ def _check(samples: Samples, d0: float) -> None:
         )
 
 
-def mean_features(samples: Samples, options: FitOptions) -> Array:
-    """Columns of the mean: 1, -10 log10 d, and one for the offset of each receiver, which is 0
-    throughout for a receiver without a sample."""
+def mean_features(samples: Samples, options: FitOptions, walls: Open | None = None) -> Array:
+    """Columns of the mean: 1, -10 log10 d, how often a link crosses each open wall, and one for the
+    offset of each receiver, which is 0 throughout for a receiver without a sample."""
     distance = log_distance(link_distance(samples.links), options.d0)
     columns = [np.ones(len(samples)), distance]
+    if walls is not None:
+        columns += list(-walls[0].crossed(samples.links)[:, walls[1]].T)
     if options.receiver_offsets and len(samples.names) > 1:
         numbers = range(len(samples.names))
         columns += [(samples.receiver == k).astype(np.float64) for k in numbers]
@@ -180,14 +213,19 @@ def mean_features(samples: Samples, options: FitOptions) -> Array:
 
 
 def _model(
-    problem: Problem, theta: Array, last: Evaluation, names: tuple[str, ...], options: FitOptions
+    problem: Problem,
+    theta: Array,
+    last: Evaluation,
+    names: tuple[str, ...],
+    options: FitOptions,
+    walls: Open | None,
 ) -> ChannelModel:
     """The channel at the optimum; the mean's coefficients are those profiled out in `last`.
 
     L0 [dBm], exponent, then one offset [dB] a device, with its posterior variance [dB^2].
     """
     at, given = problem.parameters(theta), last.given
-    offsets = last.coefficients[FIXED:]
+    offsets = last.coefficients[problem.fixed :]
     return ChannelModel(
         l0=float(last.coefficients[0]),
         exponent=float(last.coefficients[1]),
@@ -199,12 +237,16 @@ def _model(
         offsets=_named(names, offsets),
         offset_variances=_named(names, given),
         deviation=at.deviation,
+        walls=losses_of(walls, last.coefficients),
     )
 
 
-def _path_loss(alone: Regression, samples: Samples, options: FitOptions) -> ChannelModel:
+def _path_loss(
+    alone: Regression, samples: Samples, options: FitOptions, walls: Open | None
+) -> ChannelModel:
     """The channel without shadowing; offsets sum to zero over the receivers that were heard."""
-    base, offsets = float(alone.coefficients[0]), alone.coefficients[FIXED:]
+    fixed = FIXED + (0 if walls is None else len(walls[1]))
+    base, offsets = float(alone.coefficients[0]), alone.coefficients[fixed:]
     if len(offsets):
         heard = np.unique(samples.receiver)
         middle = float(offsets[heard].mean())
@@ -220,6 +262,7 @@ def _path_loss(alone: Regression, samples: Samples, options: FitOptions) -> Chan
         d0=options.d0,
         kernel=options.kernel,
         offsets=_named(samples.names, offsets),
+        walls=losses_of(walls, alone.coefficients),
     )
 
 
@@ -227,40 +270,6 @@ def _named(names: tuple[str, ...], values: Array) -> tuple[tuple[str, float], ..
     return tuple(zip(names, map(float, values), strict=True)) if len(values) else ()
 
 
-def _method(problem: Problem, model: ChannelModel) -> str:
-    """In words: which likelihood was maximised, and how the samples condition the model."""
-    count, rows = len(problem.blocks), len(problem.features)
-    likelihood = (
-        f"exact likelihood of {rows} links"
-        if count == 1
-        else f"likelihood of {rows} links in {count} independent blocks"
-    )
-    if rows > POLISH_ROWS:
-        likelihood += f" (variances and length from about {POLISH_ROWS} of them)"
-    if model.posterior is None or model.posterior.exact:
-        return f"{likelihood}, exact conditioning"
-    return f"{likelihood}, conditioning through {len(model.posterior.centres)} inducing links"
-
-
 def _copies(merged: Merged) -> bool:
     """Whether samples of one link never differ: copies, which say nothing about fading."""
     return bool((merged.count > 1).any()) and float(merged.scatter.max()) < COPY
-
-
-def _notes(
-    problem: Problem, model: ChannelModel, samples: Samples, copied: bool
-) -> tuple[str, ...]:
-    """What the user should doubt about the fit, one sentence each."""
-    notes = []
-    if copied:
-        notes.append("all samples of one link are equal: taken for copies, counted once")
-    if len(problem.blocks) > 1:
-        notes.append("standard errors take neighbouring blocks as independent: rather too small")
-    if model.exponent < 0:
-        notes.append(f"the path-loss exponent is negative ({model.exponent:.2f}): check the data")
-    if model.shadowing < 1e-3 * model.fading:
-        notes.append("no shadowing found: the samples look like path loss and fading alone")
-    if samples.censored.any():
-        share = 100.0 * float(samples.censored.mean())
-        notes.append(f"{share:.0f} % of the samples are at or below the noise floor (censored)")
-    return tuple(notes)

@@ -30,6 +30,7 @@ from stlc.radio.posterior import (
     with_more,
 )
 from stlc.radio.samples import Samples, link_numbers, merge
+from stlc.radio.walls import Walls
 
 Array = NDArray[np.float64]
 
@@ -54,6 +55,7 @@ class ChannelModel:
     offsets     calibration offset [dB] of each named receiver, added to its mean
     offset_variances  how far each offset may be off [dB^2], added to variances asked for by name
     posterior   what measurements add; None for the prior
+    walls       what takes its share of the strength along the line of sight
     """
 
     l0: float
@@ -67,6 +69,7 @@ class ChannelModel:
     posterior: Posterior | None = None
     deviation: float = 0.0
     offset_variances: tuple[tuple[str, float], ...] = ()
+    walls: Walls | None = None
 
     def __post_init__(self) -> None:
         for name in ("l0", "exponent"):
@@ -85,8 +88,10 @@ class ChannelModel:
         return self.deviation + (self.fading if fading else 0.0)
 
     def mean(self, links: Array, receiver: str | None = None) -> Array:
-        """Path-loss mean m(y) (K,) [dBm] of links (K, 2 D) [m]."""
+        """Path-loss mean m(y) (K,) [dBm] of links (K, 2 D) [m], walls on the way taken off."""
         base = path_loss_mean(link_distance(links), self.l0, self.exponent, self.d0)
+        if self.walls is not None:
+            base = base - self.walls.attenuation(links)
         return base + self.offset(receiver)
 
     def offset(self, receiver: str | None) -> float:

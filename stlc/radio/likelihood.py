@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from stlc.radio.errors import KernelError
 from stlc.radio.kernel import correlation_gradient
-from stlc.radio.problem import FIXED, Parameters, Problem
+from stlc.radio.problem import Parameters, Problem
 from stlc.radio.sites import Sites, cavity, update_sites
 from stlc.radio.tobit import mills
 
@@ -131,7 +131,7 @@ def evaluate(problem: Problem, theta: Array, sites: Sites) -> Evaluation:
     value, slope = _value(problem, blocks, target, alpha, diagonal, trend, at.fading, noise)
     gradient = _gradient(problem, blocks, shapes, alpha, diagonal, trend, at)
     gradient["fading"] += slope
-    likelihood, given = _unrestricted(value, trend)
+    likelihood, given = _unrestricted(value, trend, problem.fixed)
     return Evaluation(
         value,
         np.array([gradient[name] for name in problem.names]),
@@ -143,13 +143,13 @@ def evaluate(problem: Problem, theta: Array, sites: Sites) -> Evaluation:
     )
 
 
-def _unrestricted(value: float, trend: _Trend) -> tuple[float, Array]:
+def _unrestricted(value: float, trend: _Trend, fixed: int) -> tuple[float, Array]:
     """The likelihood at the fixed effects' estimates, and the variances of the random ones given
     these."""
-    random = trend.normal[FIXED:, FIXED:]
+    random = trend.normal[fixed:, fixed:]
     gain = np.linalg.slogdet(trend.normal)[1] - np.linalg.slogdet(random)[1]
     given = np.diag(np.linalg.inv(random)) if len(random) else np.zeros(0)
-    return value + 0.5 * (float(gain) - FIXED * np.log(2.0 * np.pi)), given
+    return value + 0.5 * (float(gain) - fixed * np.log(2.0 * np.pi)), given
 
 
 def _shape(problem: Problem, rows: Ints, length: float) -> _Shape:
@@ -191,14 +191,15 @@ def _trend(problem: Problem, blocks: list[_Block], target: Array, offset: float)
     """Henderson's mixed-model equations; `offset`: variance of the random effects [dB^2]."""
     columns = problem.features.shape[1]
     prior = np.zeros(columns)
-    prior[FIXED:] = 1.0 / offset if offset else 0.0
+    fixed = problem.fixed
+    prior[fixed:] = 1.0 / offset if offset else 0.0
     normal, moment = np.diag(prior + 1e-9), np.zeros(columns)
     for block in blocks:
         normal += problem.features[block.rows].T @ block.weighted
         moment += block.weighted.T @ target[block.rows]
     covariance = np.linalg.inv(normal)
     b = covariance @ moment
-    value = FIXED * np.log(2.0 * np.pi) + float(np.log(prior[FIXED:]).sum())
+    value = fixed * np.log(2.0 * np.pi) + float(np.log(prior[fixed:]).sum())
     value -= float(prior @ b**2) + float(np.linalg.slogdet(normal)[1])
     return _Trend(b, np.asarray(covariance, dtype=np.float64), normal, 0.5 * value)
 
@@ -263,7 +264,8 @@ def _gradient(
         out["length"] += 0.5 * at.shadowing * _pull(a, inverse, shape.slope)
         out["deviation"] += 0.5 * at.deviation * shape.shared(a, inverse)
     if at.offset:
-        square = trend.coefficients[FIXED:] ** 2 + np.diag(trend.covariance)[FIXED:]
+        fixed = problem.fixed
+        square = trend.coefficients[fixed:] ** 2 + np.diag(trend.covariance)[fixed:]
         out["offset"] = 0.5 * float((square / at.offset - 1.0).sum())
     return out
 

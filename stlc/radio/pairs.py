@@ -101,6 +101,8 @@ def predict_pairs(
     field = prepare(model, a.shape[1])
     distance = pair_distance(a, b)
     mean = path_loss_mean(distance, model.l0, model.exponent, model.d0) + model.offset(receiver)
+    if model.walls is not None:
+        mean -= model.walls.between(a, b)
     extra = model.own_variance(fading) + model.offset_variance(receiver)
     if not field.centres:
         spread = model.shadowing + extra

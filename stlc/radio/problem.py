@@ -14,7 +14,8 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
 FIXED = 2
-"""Columns of the mean whose coefficients are fixed effects: L0 and the exponent."""
+"""Columns of the mean whose coefficients are fixed effects: L0 and the exponent; walls' losses
+come after them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +32,7 @@ class Parameters:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Problem:
-    """Merged samples, the mean's columns (K, q), of which those after the first two are random
+    """Merged samples, the mean's columns (K, q), of which those after the first `fixed` are random
     effects of one variance, the blocks of rows, and the names of theta's entries: logarithms of
     these `Parameters`, in their order."""
 
@@ -40,6 +41,7 @@ class Problem:
     blocks: tuple[Ints, ...]
     kernel: KernelName
     names: tuple[str, ...]
+    fixed: int = FIXED
 
     @property
     def censored(self) -> NDArray[np.bool_]:
@@ -62,13 +64,16 @@ class Problem:
         )
 
 
-def make_problem(merged: Merged, features: Array, size: int, kernel: KernelName) -> Problem:
+def make_problem(
+    merged: Merged, features: Array, size: int, kernel: KernelName, fixed: int = FIXED
+) -> Problem:
     """The problem of all rows in blocks of at most `size`. Links' deviations are parted from fading
     where some link was measured twice."""
     nested = ("deviation",) if merged.repeated else ()
-    random = ("offset",) if features.shape[1] > FIXED else ()
+    random = ("offset",) if features.shape[1] > fixed else ()
     names = ("fading", "shadowing", "length", *nested, *random)
-    return Problem(merged, features, make_blocks(merged.samples.links, size), kernel, names)
+    blocks = make_blocks(merged.samples.links, size)
+    return Problem(merged, features, blocks, kernel, names, fixed)
 
 
 def make_blocks(links: Array, size: int) -> tuple[Ints, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +34,7 @@ class FitSummary:
     approximate  (name, error) of each approximate conditioning against exact; () when exact
     directed     a likelier fit that tells senders from receivers, where there is one, of the
                  samples that `channel` was fitted to, and its forecast
+    without_walls  where losses of walls were fitted: the forecast of a fit without any
     """
 
     fit: FitReport
@@ -43,6 +44,7 @@ class FitSummary:
     path_loss: HoldOut
     approximate: tuple[tuple[str, ApproximationError], ...]
     directed: tuple[FitReport, HoldOut] | None = None
+    without_walls: HoldOut | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """The report as JSON data, units as in `format_summary`; vague errors are null."""
@@ -52,6 +54,9 @@ class FitSummary:
         return {
             "channel": {name: getattr(model, name) for name in names},
             "kernel": model.kernel.value,
+            "walls": {}
+            if model.walls is None
+            else dict(zip(model.walls.names, map(float, model.walls.loss), strict=True)),
             "offsets": dict(model.offsets),
             "offset_variances": dict(model.offset_variances),
             "standard_errors": errors,
@@ -66,6 +71,7 @@ class FitSummary:
                 "samples": self.channel.samples,
                 "channel": _score_dict(self.channel),
                 "path_loss": _score_dict(self.path_loss),
+                "without_walls": self.without_walls and _score_dict(self.without_walls),
                 "directed": self.directed and _score_dict(self.directed[1]),
             },
             "approximation": {
@@ -118,6 +124,13 @@ def fit_csv(
         channel=hold_out(scored.forecast, tested, options.seed),
         path_loss=hold_out(scored.path_loss, tested, options.seed),
         approximate=approximations(fit),
+        without_walls=(
+            None
+            if options.walls is None
+            else hold_out(
+                fit_channel(training, replace(options, walls=None)).forecast, tested, options.seed
+            )
+        ),
         directed=(
             None
             if directed is None
@@ -157,6 +170,7 @@ def format_summary(summary: FitSummary) -> str:
         _score_line("channel", summary.channel),
         _score_line("path loss alone", summary.path_loss),
     ]
+    lines += _wall_lines(summary)
     lines += _directed_lines(summary)
     lines += [
         f"{name} against exact conditioning: mean {gap.mean:.2f} dB, "
@@ -169,6 +183,24 @@ def format_summary(summary: FitSummary) -> str:
     ]
     lines += [f"note: {note}" for note in fit.notes]
     return "\n".join(lines)
+
+
+def _wall_lines(summary: FitSummary) -> list[str]:
+    """The losses of walls, and whether knowing them helps to forecast what was held back."""
+    walls, plain = summary.fit.model.walls, summary.without_walls
+    if walls is None or plain is None:
+        return []
+    error = dict(summary.fit.standard_errors)
+    gain = plain.rmse - summary.channel.rmse
+    said = f"help by {gain:.2f} dB" if gain > 0 else "don't help"
+    return [
+        _score_line("without walls", plain),
+        f"  walls {said} of RMSE on samples held back",
+        *(
+            f"wall          {name}: {loss:.2f} dB +- {error.get(f'wall {name}', 0.0):.2f}"
+            for name, loss in zip(walls.names, walls.loss, strict=True)
+        ),
+    ]
 
 
 def _directed_lines(summary: FitSummary) -> list[str]:

@@ -51,6 +51,19 @@ class Ask:
 def sub_bounds(field: PairField, left: Ends, right: Ends, ask: Ask) -> list[Array]:
     """Mean, sigma and level intervals (lower, upper, ...) over pairs of boxes, and the level
     at their centres."""
+    found = _without_walls(field, left, right, ask)
+    walls = field.model.walls
+    if walls is None:
+        return found
+    ends = [(box.centre - box.half, box.centre + box.half) for box in (left.boxes, right.boxes)]
+    least, most = walls.bounds(*ends)
+    at = walls.between(left.boxes.centre, right.boxes.centre)
+    low, high, *sigma, level_low, level_high, centre = found
+    return [low - most, high - least, *sigma, level_low - most, level_high - least, centre - at]
+
+
+def _without_walls(field: PairField, left: Ends, right: Ends, ask: Ask) -> list[Array]:
+    """`sub_bounds` of what walls leave as it is."""
     model = field.model
     near, at, far = distances(left.boxes, right.boxes)
     ends = (far, near) if model.exponent >= 0 else (near, far)

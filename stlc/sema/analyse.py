@@ -35,6 +35,7 @@ from stlc.sema.time_errors import BadStep
 from stlc.sema.unit_errors import UnknownUnit
 from stlc.sema.units import SECOND, UnknownUnitName, parse_unit
 from stlc.sema.values import Env
+from stlc.sema.walls import declare_wall
 from stlc.sema.workspace import declare_workspace, holds_between
 from stlc.syntax import ast
 
@@ -44,7 +45,7 @@ S = TypeVar("S", bound=ast.Statement)
 
 Named = (
     ast.Param | ast.DynamicsDecl | ast.AgentDecl | ast.StationDecl | ast.RegionDecl
-    | ast.ObstacleDecl | ast.ChannelDecl | ast.Let
+    | ast.ObstacleDecl | ast.ChannelDecl | ast.WallDecl | ast.Let
 )  # fmt: skip
 
 
@@ -97,6 +98,7 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
     _each(first, lambda s: agents.declare_dynamics(s, scope), report)
     _each(_first(statements, ast.AgentDecl, scope), lambda s: agents.declare(s, scope), report)
     _each(_first(statements, ast.StationDecl, scope), lambda s: agents.station(s, shaper), report)
+    _each(_first(statements, ast.WallDecl, scope), lambda s: declare_wall(s, shaper), report)
     radios = _first(statements, ast.ChannelDecl, scope)
     _each(radios, lambda s: channels.declare(s, scope, files), report)
     _unused_lets(of(statements, ast.Let), scope)
@@ -119,7 +121,7 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
             *preferences.terms(wishes, None),
         ),
         sense=objective.sense(of(statements, ast.Objective)), signals=tuple(scope.signals),
-        workspace_swept=swept, preferences=tuple(wishes),
+        workspace_swept=swept, preferences=tuple(wishes), walls=scope.walls,
     )  # fmt: skip
     return checks.checked(mission, scope)
 
@@ -139,7 +141,8 @@ def _declare_names(statements: list[ast.Statement], scope: Scope) -> None:
 
 
 _DECLARES = re.compile(
-    r"^[ \t]*(?:param|dynamics|agent|station|region|obstacle|(channel)|let|signal)\s+(\w+)", re.M
+    r"^[ \t]*(?:param|dynamics|agent|station|region|obstacle|wall|(channel)|let|signal)\s+(\w+)",
+    re.M,
 )
 
 

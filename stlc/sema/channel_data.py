@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from stlc.radio.errors import DataError
     from stlc.radio.gp import ChannelModel
     from stlc.radio.samples import Samples
+    from stlc.radio.walls import Walls
 
 USAGE = 'samples "rssi.csv"'
 
@@ -134,8 +135,17 @@ def conditioned(model: ChannelModel, name: str, source: SampleSource, files: Fil
         raise Mistake(_refused(name, source, error)) from None
 
 
+@dataclass(frozen=True, slots=True)
+class FitShape:
+    """What a fit takes from the file: the kernel, d0 [m], and walls whose losses it estimates."""
+
+    kernel: str
+    d0: float
+    walls: Walls | None
+
+
 def fitted(
-    name: str, source: SampleSource, kernel: str, d0: float, scope: Scope, files: Files
+    name: str, source: SampleSource, shape: FitShape, scope: Scope, files: Files
 ) -> ChannelModel:
     """The channel of maximum likelihood for measurements, conditioned on them."""
     from stlc.radio.errors import RadioError
@@ -143,7 +153,10 @@ def fitted(
     from stlc.radio.kernel import KernelName
 
     samples = read_samples(source, files)
-    options = FitOptions(d0=d0, receiver_offsets=source.offsets, kernel=KernelName(kernel))
+    options = FitOptions(
+        d0=shape.d0, receiver_offsets=source.offsets, kernel=KernelName(shape.kernel),
+        walls=shape.walls,
+    )  # fmt: skip
     try:
         report = fit_channel(samples, options)
     except RadioError as error:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import nan
 from typing import TYPE_CHECKING
 
 from stlc.mission import Array, Bound, Channel
 from stlc.sema import props, units
-from stlc.sema.channel_data import conditioned, fitted, read_table, sample_source
+from stlc.sema.channel_data import FitShape, conditioned, fitted, read_table, sample_source
 from stlc.sema.channel_errors import BadChannel, RayleighWithFading
 from stlc.sema.costs import pairs_of
 from stlc.sema.files import Files
@@ -20,6 +20,7 @@ from stlc.sema.report import Mistake, Reported
 from stlc.sema.scope import Scope
 from stlc.sema.units import Unit
 from stlc.sema.values import ChannelName
+from stlc.sema.walls import as_radio, known_losses, walls_of
 from stlc.sema.warnings import PaperCost
 from stlc.syntax import ast
 
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 PROPERTIES = (
     "path_loss", "L0", "n", "d0", "fading", "deviation", "shadowing", "length", "kernel",
     "samples", "noise_floor", "bandwidth", "noise_figure", "modulation", "packet",
-    "sensitivity", "rate", "partition", "cost", "bound", "cost_bound", "table", "pairs",
+    "sensitivity", "rate", "partition", "cost", "bound", "cost_bound", "table", "pairs", "walls",
 )  # fmt: skip
 COSTS = ("inv_snr", "etx", "neg_log_prr", "outage", "neg_rssi", "paper_inv_rssi")
 MODULATIONS = (
@@ -176,9 +177,13 @@ def _model(statement: ast.ChannelDecl, reader: Reader, files: Files) -> ChannelM
     if block.get("L0", "n", "path_loss", "samples") is None and block.get("table"):
         return None
     source = None if item is None else sample_source(item, reader.scope)
+    walls = walls_of(block, statement.name, reader.scope)
+    drawn = as_radio(walls)
     if source is not None and source.fit:
-        return fitted(name, source, _kernel(reader), _d0(reader), reader.scope, files)
-    model = _prior(statement, reader)
+        shape = FitShape(_kernel(reader), _d0(reader), drawn)
+        return fitted(name, source, shape, reader.scope, files)
+    known_losses(walls, statement.name)
+    model = replace(_prior(statement, reader), walls=drawn)
     return model if source is None else conditioned(model, name, source, files)
 
 

@@ -11,7 +11,7 @@ from stlc.bezier import Curve
 from stlc.ir.claims import Membership
 from stlc.ir.nodes import Node
 from stlc.mission import Agent, Channel, Dynamics, Station
-from stlc.places import Obstacle, Polytope, Region
+from stlc.places import Obstacle, Polytope, Region, Wall
 from stlc.sema.name_errors import RecursiveLet, TooDeep, TooLarge, UnknownName, WrongKind
 from stlc.sema.report import Mistake, Report, Reported, suggested_fix, suggestion
 from stlc.sema.scalars import absolute, maximum
@@ -79,6 +79,7 @@ class Scope:
     stations: dict[str, Station] = field(default_factory=dict)
     regions: dict[str, Region] = field(default_factory=dict)
     obstacles: dict[str, Obstacle] = field(default_factory=dict)
+    walls: dict[str, Wall] = field(default_factory=dict)
     channels: dict[str, Channel] = field(default_factory=dict)
     starts: dict[str, Span] = field(default_factory=dict)
     pairs: dict[str, tuple[tuple[str, str], ...]] = field(default_factory=dict)

@@ -47,6 +47,9 @@ from stlc.syntax.nodes import (
     Interval as Interval,
 )
 from stlc.syntax.nodes import (
+    Line as Line,
+)
+from stlc.syntax.nodes import (
     List as List,
 )
 from stlc.syntax.nodes import (
@@ -219,6 +222,14 @@ class ObstacleDecl(Statement):
     shape: Shape
     inflate: Expr | None = None
     velocity: Expr | None = None
+
+
+class WallDecl(Statement):
+    """`wall brick = line .. loss 6 dB`, `wall core = box .. loss 10 dB`."""
+
+    name: Ident
+    shape: Shape
+    loss: Expr | None = None
 
 
 class ChannelDecl(Statement):

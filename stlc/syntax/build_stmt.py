@@ -27,7 +27,7 @@ class StatementBuilder(ExprBuilder):
     def _first(self, start: int, end: int, c: Children) -> Any:
         return c[0]
 
-    family = parameters = margin = inflate = velocity = _first
+    family = parameters = margin = inflate = velocity = loss = _first
 
     def feature(self, start: int, end: int, c: Children) -> ast.String:
         return self.text(c[0])
@@ -157,6 +157,12 @@ class StatementBuilder(ExprBuilder):
         name, shape, velocity, inflate = c
         span = self.span(start, end)
         return ast.ObstacleDecl(span, self.ident(name), shape, inflate, velocity)
+
+    def line(self, start: int, end: int, c: Children) -> ast.Shape:
+        return ast.Line(self.span(start, end), c[0])
+
+    def wall(self, start: int, end: int, c: Children) -> ast.Statement:
+        return ast.WallDecl(self.span(start, end), self.ident(c[0]), c[1], c[2])
 
     def channel(self, start: int, end: int, c: Children) -> ast.Statement:
         return ast.ChannelDecl(self.span(start, end), self.ident(c[0]), c[1])

@@ -9,6 +9,7 @@ absolute value where an operand is due and closes it otherwise.
 from __future__ import annotations
 
 from stlc.syntax.neighbours import (
+    AFTER_SHAPES,
     NAMED,
     NOTHING,
     QUANTIFIERS,
@@ -144,12 +145,13 @@ class _Context(Neighbours):
         text, after = token.text, self._peek()
         opener = {"box": "[", "polygon": "(", "moving": "{"}
         due = self._last in ("EQ", "PLUS", "COLON", "ST_WORKSPACE") and (
-            after.text in ("", "+", ";", "}", "inflate", "velocity", "swept", "sampled")
-            and text not in ("true", "false")
+            after.text in ("", "+", ";", "}", *AFTER_SHAPES) and text not in ("true", "false")
         )
         tall = after.text == "x" and self._peek(2).text == "[" and text not in ("true", "false")
         if not self.operand and after.text == opener.get(text):
             self._emit(text.upper(), token, operand=False)
+        elif self._last == "EQ" and text == "line" and self.out[0].kind == "ST_WALL":
+            self._emit("LINE", token, operand=False)
         elif not self.operand and text == "geojson" and after.kind == STRING:
             self._emit("GEOJSON", token, operand=False)
         elif self.operand and text == "x" and after.text == "[":
@@ -159,6 +161,9 @@ class _Context(Neighbours):
         elif self.operand and text in ("hole", "feature", "velocity", "inflate"):
             self._emit(text.upper(), token, operand=False)
             self.shaped = text != "inflate"
+        elif self.operand and text == "loss" and self.out[0].kind == "ST_WALL":
+            self._emit("LOSS", token, operand=False)
+            self.shaped = False
         elif self.operand and text in ("swept", "sampled") and self._of_workspace:
             self._emit(text.upper(), token, operand=True)
         elif (tall and not self.operand) or (due and "(" not in self.frames):

@@ -111,8 +111,8 @@ class UnknownStatement(Diagnostic):
     """Each statement starts with its keyword at the start of a line.
 
     The keywords are import, param, signal, step, horizon, margin, workspace, dynamics, agent,
-    station, region, obstacle, channel, let, require, prefer, minimize and maximize. A line that
-    starts with none of them continues the statement above it.
+    station, region, obstacle, wall, channel, let, require, prefer, minimize and maximize. A line
+    that starts with none of them continues the statement above it.
     """
 
     code: ClassVar[str] = "E0109"

@@ -16,11 +16,12 @@ BINARY: Final = frozenset(
 )
 _CONNECTIVES: Final = frozenset({"AND", "OR", "IMPLIES", "IFF"})
 QUANTIFIERS: Final = frozenset({"FORALL", "EXISTS", "SUM"})
-SHAPED: Final = frozenset({"ST_WORKSPACE", "ST_REGION", "ST_OBSTACLE"})
+SHAPED: Final = frozenset({"ST_WORKSPACE", "ST_REGION", "ST_OBSTACLE", "ST_WALL"})
 NAMED: Final = frozenset(
     {"ST_PARAM", "ST_DYNAMICS", "ST_AGENT", "ST_STATION", "ST_REGION", "ST_OBSTACLE"}
-    | {"ST_CHANNEL", "ST_LET"}
+    | {"ST_CHANNEL", "ST_LET", "ST_WALL"}
 )
+AFTER_SHAPES: Final = frozenset({"inflate", "velocity", "swept", "sampled", "loss"})
 WISHES: Final = {
     word: word.upper() for word in ("weight", "priority", "margin", "scale", "late", "share")
 }

@@ -241,6 +241,12 @@ class Prism(Shape):
     z: tuple[Expr, Expr]
 
 
+class Line(Shape):
+    """`line (0, 0) (3, 0) (3, 2)`: what a wall may be drawn by."""
+
+    points: tuple[Expr, ...]
+
+
 class Union(Shape):
     """`shape + shape`."""
 

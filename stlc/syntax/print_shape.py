@@ -14,6 +14,8 @@ def show_shape(shape: ast.Shape) -> str:
         case ast.PolygonShape():
             rings = [shape.ring, *shape.holes]
             return "polygon " + " hole ".join(" ".join(map(show, ring)) for ring in rings)
+        case ast.Line():
+            return "line " + " ".join(map(show, shape.points))
         case ast.GeoJson():
             feature = f" feature {quoted(shape.feature)}" if shape.feature else ""
             return f"geojson {quoted(shape.path)}{feature}"

@@ -158,6 +158,9 @@ def _head(statement: ast.Statement) -> str:
             drift = f" velocity {show(statement.velocity)}" if statement.velocity else ""
             shape = show_shape(statement.shape)
             return f"obstacle {statement.name.text} = {shape}{drift}{inflate}"
+        case ast.WallDecl():
+            loss = f" loss {show(statement.loss)}" if statement.loss else ""
+            return f"wall {statement.name.text} = {show_shape(statement.shape)}{loss}"
         case _:
             return _named_head(statement)
 

@@ -8,7 +8,7 @@ the cheapest.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -20,6 +20,7 @@ from stlc.mission import Channel, Mission, TermKind
 from stlc.plan import LinkSeries
 from stlc.verify.subject import Array, Subject
 from stlc.verify.trace import LinkEvaluator
+from stlc.verify.walls import losses
 
 Pair = tuple[str, str]
 Pick = Literal["least", "greatest"]
@@ -93,10 +94,13 @@ class TrueModel:
         """Mean, sigma and length of a pair's link at each step."""
         key = (channel.name, pair)
         if key not in self._values:
-            places = self.subject.positions
-            found = true_values(
-                self.subject.mission, channel, pair, places[pair[0]], places[pair[1]]
-            )
+            ends = [self.subject.positions[name] for name in pair]
+            mission = self.subject.mission
+            walls = None if channel.model is None else channel.model.walls
+            found = true_values(mission, _bare(channel), pair, *ends)
+            if walls is not None:
+                loss = dict(zip(walls.names, map(float, walls.loss), strict=True))
+                found = replace(found, mean=found.mean - losses(mission.walls, loss, *ends))
             self._values[key] = found
         return self._values[key]
 
@@ -108,6 +112,13 @@ class TrueModel:
         if given or channel.model is None:
             return self.cells.robustness(link, positive)
         return true_robustness(channel, link, self.values(channel, pair))
+
+
+def _bare(channel: Channel) -> Channel:
+    """The channel without its walls, which the verifier counts by itself."""
+    if channel.model is None or channel.model.walls is None:
+        return channel
+    return replace(channel, model=replace(channel.model, walls=None))
 
 
 def since(step: int, before: LinkEvaluator, after: LinkEvaluator) -> LinkEvaluator:

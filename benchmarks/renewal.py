@@ -1,0 +1,180 @@
+"""Missions carried out in simulated worlds: how long planning anew takes, how many are kept.
+
+    python benchmarks/renewal.py [--worlds 10] [--time-limit 1] [flat] [team]
+
+Each world draws the true channels from what the mission knows of them and pushes agents off their
+way. Printed are median and 99th percentile of the processor seconds between measuring and acting,
+and how many missions hold by the true channels: planned anew at each step, with channels that learn
+from what is heard and with those of the file; planned anew on events; and the first plan carried
+out blindly.
+
+`flat` is examples/ble_apartment.stl with noise, 14 steps; `team` are four agents that cross, keep
+apart and report, 20 steps.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from stlc import api
+from stlc.arrays import Floats
+from stlc.channels import LinkValues, needed, true_robustness
+from stlc.errors import StlcError
+from stlc.ir.nodes import Link
+from stlc.mission import Mission
+from stlc.plan import Plan
+from stlc.radio.pathloss import link_distance
+from stlc.renew.receding import Loop, Measured, Voyage
+from stlc.renew.world import SimulatedWorld
+from stlc.solve.outcome import SolveSettings
+from stlc.verify.requirements import swept_override
+from stlc.verify.robustness import TOLERANCE, Evaluator
+from stlc.verify.subject import make_subject
+from stlc.verify.trace import Trace
+
+EXAMPLES = Path(__file__).parent.parent / "examples"
+
+TEAM = """step 1 s
+horizon 20
+workspace box [0, 12] x [0, 12]
+dynamics cart = double_integrator { control |u| <= 1; speed <= 1.5 polygon 8; control_noise 0.01 }
+agent a : cart { start (1, 2) }
+agent b : cart { start (11, 3) }
+agent c : cart { start (1, 9) }
+agent d : cart { start (11, 10) }
+station base at (6, 0)
+obstacle pillar = box [5, 7] x [5, 7]
+region east = box [9, 12] x [0, 12]
+region west = box [0, 3] x [0, 12]
+channel radio {
+  path_loss L0 = -30 dBm, n = 2.5; fading 2 dB^2, shadowing 9 dB^2, length 3 m
+  partition 4 x 4
+}
+require cross: forall x in [a, c]: eventually[0, 18] x in east
+require back: forall x in [b, d]: eventually[0, 18] x in west
+require clear margin 0.05: always forall x in agents: x outside pillar
+require apart margin 0.05: always forall (x, y) in pairs: separation(x, y) >= 0.5 m
+require report: eventually[0, 18] rssi(a, base) >= -52 dBm
+minimize effort
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A mission to carry out, and when it is planned anew."""
+
+    name: str
+    mission: Mission
+    drift: float
+
+
+def cases() -> dict[str, Case]:
+    """The missions by name."""
+    text = (EXAMPLES / "ble_apartment.stl").read_text()
+    text = re.sub(r"(speed <= 0.5)", r"\1\n  control_noise 0.005", text)
+    flat = api.loads(text, name="flat", folder=EXAMPLES)
+    return {
+        "flat": Case("flat", flat, 0.01),
+        "team": Case("team", api.loads(TEAM, name="team"), 0.02),
+    }
+
+
+def kept(mission: Mission, world: SimulatedWorld, run: Plan) -> bool:
+    """Whether a run holds by the true channels: every requirement, links at their true means, one
+    packet's fading left."""
+    subject = make_subject(mission, run, None)
+
+    def link(predicate: Link, positive: bool) -> np.ndarray:
+        """Robustness (T+1,) of a link predicate by what was drawn."""
+        pair = (predicate.sender, predicate.receiver)
+        channel = mission.channels[predicate.channel]
+        model, _ = needed(channel)
+        mean = np.array(world.means[predicate.channel, pair])
+        ends = [subject.positions[name] for name in pair]
+        distance = link_distance(np.hstack([end[:, :2] for end in ends]))
+        sigma = np.full(len(mean), np.sqrt(model.fading))
+        return true_robustness(channel, predicate, LinkValues(mean, sigma, distance))
+
+    trace = Trace(mission.horizon + 1, subject.signals, link)
+    judge = Evaluator(trace, swept_override(mission, run.runs))
+    return all(judge.robustness(r.formula)[0] >= -TOLERANCE for r in mission.requirements)
+
+
+class Clocked(SimulatedWorld):
+    """Tells apart the processor time that goes by between its own steps."""
+
+    __slots__ = ("_left", "seconds")
+
+    def begin(self) -> Measured:
+        """As the world."""
+        found = super().begin()
+        self.seconds, self._left = [], time.process_time()
+        return found
+
+    def step(self, states: Mapping[str, Floats], inputs: Mapping[str, Floats]) -> Measured:
+        """As the world."""
+        self.seconds.append(time.process_time() - self._left)
+        found = super().step(states, inputs)
+        self._left = time.process_time()
+        return found
+
+
+def voyages(
+    case: Case, worlds: int, loop: Loop, first: Plan
+) -> Iterator[tuple[Clocked, Voyage | None]]:
+    """One mission carried out in each world; None where no plan could be made any more."""
+    for seed in range(worlds):
+        world = Clocked(case.mission, np.random.default_rng(seed))
+        try:
+            yield world, api.receding(case.mission, world, loop, plan=first)
+        except StlcError as error:
+            print(f"  {case.name}, world {seed}: {error}")
+            yield world, None
+
+
+def measure(case: Case, worlds: int, seconds: float) -> None:
+    """Print the figures of a case."""
+    first = api.solve(case.mission, SolveSettings(time_limit=60.0, gap=0.01)).plan
+    print(f"{case.name}: first plan costs {first.solve.objective:.4g}")
+    settings = SolveSettings(time_limit=seconds, gap=0.02)
+    loops: Mapping[str, Loop] = {
+        "anew each step, channels learn": Loop(every=1, settings=settings),
+        "anew each step, channels of the file": Loop(every=1, settings=settings, learn=False),
+        "anew on events, channels learn": Loop(drift=case.drift, settings=settings),
+        "the first plan, carried out blindly": Loop(sigmas=np.inf, drift=np.inf),
+    }
+    for name, loop in loops.items():
+        done = list(voyages(case, worlds, loop, first))
+        times = np.array([s for w, v in done if v is not None for s in w.seconds[1:]])
+        good = sum(v is not None and kept(case.mission, w, v.run) for w, v in done)
+        plans = sum(len(v.events) for _, v in done if v is not None)
+        late = sum(e.renewed is None for _, v in done if v is not None for e in v.events)
+        print(
+            f"  {name:38} {len(times)} steps, {plans} plans, {late} not in time; median "
+            f"{np.median(times):.2f} s, p99 {np.quantile(times, 0.99):.2f} s; "
+            f"kept {good} of {worlds}",
+            flush=True,
+        )
+
+
+def main() -> None:
+    """Carry out the missions that are named, or both."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*", choices=[[], "flat", "team"])
+    parser.add_argument("--worlds", type=int, default=10)
+    parser.add_argument("--time-limit", type=float, default=1.0)
+    asked = parser.parse_args()
+    for name, case in cases().items():
+        if not asked.names or name in asked.names:
+            measure(replace(case), asked.worlds, asked.time_limit)
+
+
+if __name__ == "__main__":
+    main()
