@@ -124,19 +124,21 @@ def fit_csv(
         channel=hold_out(scored.forecast, tested, options.seed),
         path_loss=hold_out(scored.path_loss, tested, options.seed),
         approximate=approximations(fit),
-        without_walls=(
-            None
-            if options.walls is None
-            else hold_out(
-                fit_channel(training, replace(options, walls=None)).forecast, tested, options.seed
-            )
-        ),
+        without_walls=_bare(training, tested, options),
         directed=(
             None
             if directed is None
             else (directed, hold_out(directed.forecast, tested, options.seed))
         ),
     )
+
+
+def _bare(training: Samples, tested: Samples, options: FitOptions) -> HoldOut | None:
+    """The forecast of a fit without walls, where there are any to leave out."""
+    if options.walls is None:
+        return None
+    fit = fit_channel(training, replace(options, walls=None))
+    return hold_out(fit.forecast, tested, options.seed)
 
 
 def approximations(fit: FitReport) -> tuple[tuple[str, ApproximationError], ...]:

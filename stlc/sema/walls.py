@@ -35,6 +35,7 @@ def declare_wall(statement: ast.WallDecl, shaper: Shaper) -> None:
 
 
 def _wall(statement: ast.WallDecl, shaper: Shaper) -> Wall:
+    """The wall as it is drawn. Raises Mistake for a line that is none, or a shape with heights."""
     name, loss = statement.name, _loss(statement, shaper.scope)
     shape = statement.shape
     if isinstance(shape, ast.Line):
