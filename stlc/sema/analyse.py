@@ -92,13 +92,11 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
     _each(of(statements, ast.Param), lambda s: scope.value(s.value), report)
     space = single(statements, ast.Workspace, report)
     declare_workspace(space, file.source.text, shaper)
-    _each(_first(statements, ast.RegionDecl, scope), shaper.region, report)
-    _each(_first(statements, ast.ObstacleDecl, scope), shaper.obstacle, report)
+    _places(statements, shaper)
     first = _first(statements, ast.DynamicsDecl, scope)
     _each(first, lambda s: agents.declare_dynamics(s, scope), report)
     _each(_first(statements, ast.AgentDecl, scope), lambda s: agents.declare(s, scope), report)
     _each(_first(statements, ast.StationDecl, scope), lambda s: agents.station(s, shaper), report)
-    _each(_first(statements, ast.WallDecl, scope), lambda s: declare_wall(s, shaper), report)
     radios = _first(statements, ast.ChannelDecl, scope)
     _each(radios, lambda s: channels.declare(s, scope, files), report)
     _unused_lets(of(statements, ast.Let), scope)
@@ -124,6 +122,14 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
         workspace_swept=swept, preferences=tuple(wishes), walls=scope.walls,
     )  # fmt: skip
     return checks.checked(mission, scope)
+
+
+def _places(statements: list[ast.Statement], shaper: Shaper) -> None:
+    """Regions, obstacles and walls."""
+    scope, report = shaper.scope, shaper.scope.report
+    _each(_first(statements, ast.RegionDecl, scope), shaper.region, report)
+    _each(_first(statements, ast.ObstacleDecl, scope), shaper.obstacle, report)
+    _each(_first(statements, ast.WallDecl, scope), lambda s: declare_wall(s, shaper), report)
 
 
 # --- names -------------------------------------------------------------------------------------
