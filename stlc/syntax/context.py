@@ -158,12 +158,9 @@ class _Context(Neighbours):
             self._emit("TIMES", token, operand=False)
         elif text == "linear" and self._last == "RBRACE":
             self._emit("LINEAR", token, operand=True)
-        elif self.operand and text in ("hole", "feature", "velocity", "inflate"):
+        elif self.operand and text in ("hole", "feature", "velocity", "inflate", "loss"):
             self._emit(text.upper(), token, operand=False)
-            self.shaped = text != "inflate"
-        elif self.operand and text == "loss" and self.out[0].kind == "ST_WALL":
-            self._emit("LOSS", token, operand=False)
-            self.shaped = False
+            self.shaped = text not in ("inflate", "loss")
         elif self.operand and text in ("swept", "sampled") and self._of_workspace:
             self._emit(text.upper(), token, operand=True)
         elif (tall and not self.operand) or (due and "(" not in self.frames):
