@@ -148,10 +148,9 @@ class _Context(Neighbours):
             after.text in ("", "+", ";", "}", *AFTER_SHAPES) and text not in ("true", "false")
         )
         tall = after.text == "x" and self._peek(2).text == "[" and text not in ("true", "false")
-        if not self.operand and after.text == opener.get(text):
+        line = self._last == "EQ" and text == "line" and self.out[0].kind == "ST_WALL"
+        if line or (not self.operand and after.text == opener.get(text)):
             self._emit(text.upper(), token, operand=False)
-        elif self._last == "EQ" and text == "line" and self.out[0].kind == "ST_WALL":
-            self._emit("LINE", token, operand=False)
         elif not self.operand and text == "geojson" and after.kind == STRING:
             self._emit("GEOJSON", token, operand=False)
         elif self.operand and text == "x" and after.text == "[":
