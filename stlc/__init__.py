@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 _FRONT = (
     "Formula", "Mission", "Plan", "Quantity", "Shape", "abs_", "all_of", "always", "any_of", "ber",
-    "box", "distance", "effort", "eventually", "formula", "link_cost", "load", "loads", "maximum",
-    "minimum", "moving", "norm", "polygon", "probability", "prr", "quantity", "read_plan",
-    "robustness", "rssi", "separation", "snr",
+    "box", "distance", "effort", "eventually", "formula", "line", "link_cost", "load", "loads",
+    "maximum", "minimum", "moving", "norm", "polygon", "probability", "prr", "quantity",
+    "read_plan", "robustness", "rssi", "separation", "snr",
 )  # fmt: skip
 
 __all__ = ["__version__", *_FRONT]

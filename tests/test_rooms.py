@@ -76,6 +76,7 @@ MAY: Mapping[str, set[str]] = {
     },
     "exports": {"mission", "plan", "verify"},
     "maps": {"syntax"},
+    "lsp": {"syntax", "sema", "mission"},
     "front": {
         "api", "explain", "milp", "mission", "plan", "plot", "report", "solve", "syntax", "verify",
     },

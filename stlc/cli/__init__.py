@@ -35,6 +35,7 @@ _COMMANDS = {
     "bench": ("bench", "Benchmark encodings and backends."),
     "backends": ("listing", "List the solvers and what they can do."),
     "encodings": ("listing", "List the encodings of formulas and link tables."),
+    "lsp": ("lsp", "Serve an editor: diagnostics, completion, rename, formatting."),
     "completion": ("completion", "Complete commands, options, solvers and files in a shell."),
 }
 

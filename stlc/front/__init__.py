@@ -5,7 +5,7 @@ from __future__ import annotations
 from stlc.front.expressions import Formula, Quantity
 from stlc.front.mission import Mission, load, loads
 from stlc.front.plan import Plan, read_plan
-from stlc.front.shapes import Shape, box, moving, polygon
+from stlc.front.shapes import Shape, box, line, moving, polygon
 from stlc.front.words import (
     abs_,
     all_of,
@@ -31,7 +31,7 @@ from stlc.front.words import (
 
 __all__ = [
     "Formula", "Mission", "Plan", "Quantity", "Shape", "abs_", "all_of", "always", "any_of", "ber",
-    "box", "distance", "effort", "eventually", "formula", "link_cost", "load", "loads", "maximum",
-    "minimum", "moving", "norm", "polygon", "probability", "prr", "quantity", "read_plan",
-    "robustness", "rssi", "separation", "snr",
+    "box", "distance", "effort", "eventually", "formula", "line", "link_cost", "load", "loads",
+    "maximum", "minimum", "moving", "norm", "polygon", "probability", "prr", "quantity",
+    "read_plan", "robustness", "rssi", "separation", "snr",
 ]  # fmt: skip

@@ -99,6 +99,12 @@ class Mission:
         self.add(text)
         return Place(name)
 
+    def wall(self, name: str, shape: Shape, loss: Any = None) -> Place:
+        """What takes `loss` [dB] off every link that crosses it; without one a fit tells."""
+        text = f"wall {name} = {shape.text}"
+        self.add(text if loss is None else f"{text} loss {_decibels(loss)}")
+        return Place(name)
+
     def channel(
         self,
         name: str,
@@ -235,6 +241,10 @@ class Mission:
         from stlc.plan import read_plan
 
         return plan_of(self.checked, read_plan(path))
+
+
+def _decibels(value: Any) -> str:
+    return written(value) if isinstance(value, str) else f"{written(value)} dB"
 
 
 def _csv(table: np.ndarray[Any, Any]) -> str:

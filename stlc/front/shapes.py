@@ -51,6 +51,11 @@ def _ring(corners: Any) -> str:
     return " ".join(point(tuple(corner)) for corner in corners)
 
 
+def line(corners: Any) -> Shape:
+    """Corners (K, 2) [m] of a line, for walls."""
+    return Shape(f"line {_ring(corners)}")
+
+
 def moving(frames: Mapping[Any, Shape], *, linear: bool = False) -> Shape:
     """Shapes at steps (or times such as "2 s"): it jumps from one to the next within a step, or
     moves all the time if `linear`."""

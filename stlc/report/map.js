@@ -54,6 +54,11 @@ function drawMap() {
   grid(svg, scene.box, wide, height);
   if (scene.workspace) draw("path", { d: ring(scene.workspace), class: "workspace" }, svg);
   for (const one of scene.places) drawPlace(svg, one);
+  for (const wall of scene.walls) {
+    const g = draw("g", { class: "wall", "data-name": wall.name, tabindex: 0 }, svg);
+    draw("title", { text: wall.name }, g);
+    for (const points of wall.lines) draw("polyline", { points: points.map(map.xy).join(" ") }, g);
+  }
   const joined = draw("g", {}, svg);
   for (const agent of scene.agents) {
     const points = agent.path.map(map.xy).join(" ");

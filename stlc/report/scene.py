@@ -10,7 +10,7 @@ import numpy as np
 
 from stlc.arrays import Floats
 from stlc.mission import Mission
-from stlc.places import Obstacle, Outline, Region
+from stlc.places import Obstacle, Outline, Region, Wall
 from stlc.plan import Plan
 from stlc.plot.style import looks
 from stlc.report.links import links
@@ -40,6 +40,7 @@ def scene(mission: Mission, plan: Plan) -> dict[str, Any]:
     ]
     found: dict[str, Any] = {
         "workspace": None if mission.workspace is None else short(mission.workspace.vertices),
+        "walls": [_wall(wall) for wall in mission.walls.values()],
         "places": places, "stations": stations, "agents": agents,
         "links": links(mission, plan),
     }  # fmt: skip
@@ -74,6 +75,13 @@ def _obstacle(obstacle: Obstacle, mission: Mission) -> dict[str, Any]:
         "name": obstacle.name, "kind": "obstacle", "inflate": obstacle.inflate,
         "frames": [_rings(f) for f in frames], "heights": _heights(obstacle.heights),
     }  # fmt: skip
+
+
+def _wall(wall: Wall) -> dict[str, Any]:
+    """A line, or the outlines of convex pieces."""
+    lines = [np.array(wall.line)] if wall.line else []
+    lines += [np.vstack([p.vertices, p.vertices[:1]]) for p in wall.pieces]
+    return {"name": wall.name, "lines": [short(one) for one in lines]}
 
 
 def _rings(outlines: Sequence[Outline]) -> list[Any]:

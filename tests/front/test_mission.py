@@ -31,6 +31,7 @@ def test_statements_are_those_of_the_language():
     m.obstacle("door", stlc.moving({0: stlc.box((0, 1), (2, 3)), 8: stlc.box((8, 9), (2, 3))},
                                    linear=True))  # fmt: skip
     m.region("pad", stlc.box((0, 1), (0, 1), (0, 3)) + stlc.polygon([(2, 2), (3, 2), (2, 3)]))
+    m.wall("brick", stlc.line([(0, 0), (3, 0)]), 6)
     radio = m.channel("radio", "fading 10 dB^2", path_loss=(-12.5, 3), partition=(4, 4))
     v = m.param("v", "3 m")
     m.prefer("near", stlc.always(stlc.distance(a, base) <= v), weight=2)
@@ -47,6 +48,7 @@ station base at (5, 0) { height 3 }
 obstacle truck = box [0, 2] x [6, 7] velocity (1, 0) inflate 20 cm
 obstacle door = moving { 0: box [0, 1] x [2, 3]; 8: box [8, 9] x [2, 3] } linear
 region pad = box [0, 1] x [0, 1] x [0, 3] + polygon (2, 2) (3, 2) (2, 3)
+wall brick = line (0, 0) (3, 0) loss 6 dB
 channel radio { fading 10 dB^2; path_loss L0 = -12.5 dBm; n = 3; partition 4 x 4 }
 param v = 3 m
 prefer near weight 2: always distance(a, base) <= v

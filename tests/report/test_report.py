@@ -29,6 +29,7 @@ dynamics drone = double_integrator { dimensions 3; pz in [0, 30] }
 agent r : boat { start (1, 1); control |u| <= 4 }
 agent d : drone { start (1, 6, 5, 1, 0, 0) }
 station base at (10, 0)
+wall brick = line (12, 1) (14, 1) (14, 3) loss 6 dB
 region pad = box [8, 10] x [0, 2]
 region cloud = box [2, 4] x [5, 7] x [4, 6]
 obstacle truck = moving { 0: box [4, 6] x [5, 7]; 4: box [8, 10] x [5, 7] } linear inflate 0.2 m
@@ -82,7 +83,7 @@ def test_requirements_stand_beside_their_lines(good):
     assert needs["talk"]["names"] == ["base", "r"]
     lines = [a for tag, a in good.elements if tag == "li" and "data-needs" in a]
     assert [(a["data-needs"], a["class"]) for a in lines] == [(str(k), "good") for k in range(4)]
-    assert good.data["needs"][0]["lines"] == [18, 18]
+    assert good.data["needs"][0]["lines"] == [19, 19]
 
 
 def test_a_violated_requirement_is_red_and_said_so():
@@ -102,6 +103,7 @@ def test_the_scene_is_that_of_the_file(good):
     assert truck["inflate"] == 0.2
     pad = next(p for p in scene["places"] if p["name"] == "pad")
     assert len(pad["frames"]) == 1
+    assert scene["walls"] == [{"name": "brick", "lines": [[[12, 1], [14, 1], [14, 3]]]}]
     boat, drone = scene["agents"]
     assert boat["path"][-1] == [9, 1, 0]
     assert drone["flies"]
