@@ -77,6 +77,7 @@ _RING = "polygon (10, 10) (30, 10) (30, 30) (20, 20) (10, 30)"
 
 FILES: Final[dict[str, Callable[[], str]]] = {
     "star of 10,000 corners": lambda: f"{_HEAD}{_ONE}obstacle o = polygon {_star(10_000)}\n{_KEEP_OUT}",
+    "star of 5,500 corners": lambda: f"{_HEAD}{_ONE}obstacle o = polygon {_star(5500)}\n{_KEEP_OUT}",
     "star of 3,000 corners, inflated": lambda: (
         f"{_HEAD}{_ONE}obstacle o = polygon {_star(3000)} inflate 0.1 m\n{_KEEP_OUT}"
     ),
@@ -89,6 +90,10 @@ FILES: Final[dict[str, Callable[[], str]]] = {
     ),
     "2,000 obstacles that touch, swept": lambda: (
         _HEAD + _ONE + _lines(2000, lambda k: f"obstacle o{k} = {_grid(k, 60, 0)}")
+        + "require: always forall o in obstacles: r outside o swept\n"
+    ),
+    "2,500 obstacles that touch, swept": lambda: (
+        _HEAD + _ONE + _lines(2500, lambda k: f"obstacle o{k} = {_grid(k, 60, 0)}")
         + "require: always forall o in obstacles: r outside o swept\n"
     ),
     "a union of 3,000 boxes that touch": lambda: (
@@ -106,6 +111,14 @@ FILES: Final[dict[str, Callable[[], str]]] = {
     "500 moving obstacles over 1,000 steps": lambda: (
         _HEAD.replace("10\n", "1000\n", 1) + _ONE
         + _lines(500, lambda k: f"obstacle o{k} = {_grid(k, 60, 0)} velocity (0.01, 0)") + _KEEP_OUT
+    ),
+    "20 moving obstacles over 1,000 steps": lambda: (
+        _HEAD.replace("10\n", "1000\n", 1) + _ONE
+        + _lines(20, lambda k: f"obstacle o{k} = {_grid(k, 60, 0.4)} velocity (0.01, 0)") + _KEEP_OUT
+    ),
+    "40 moving obstacles that touch, over 200 steps": lambda: (
+        _HEAD.replace("10\n", "200\n", 1) + _ONE
+        + _lines(40, lambda k: f"obstacle o{k} = {_grid(k, 8, 0)} velocity (0.01, 0)") + _KEEP_OUT
     ),
     "a moving obstacle of 2,000 frames": lambda: (
         f"{_HEAD}{_ONE}obstacle o = moving {{ "

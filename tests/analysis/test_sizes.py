@@ -49,6 +49,15 @@ def test_too_large_a_model_is_refused_at_what_is_largest() -> None:
         check_size(loads(many + "require a: eventually u[1].x >= 2 m\n"))
 
 
+def test_states_over_a_long_horizon_count_for_the_time_that_they_take() -> None:
+    """An agent over 30,000 steps takes half a minute to bound, whatever is asked of it."""
+    agent = "agent r : double_integrator { start (1, 1); control |u| <= 1 }\n"
+    lines = "require a: always[0, {last}] r.x >= 0 m\n"
+    check_size(loads(agent + lines.format(last=20_000)))
+    with pytest.raises(MissionError, match="the model would have 600,020 parts"):
+        check_size(loads(agent + lines.format(last=30_000)))
+
+
 def test_the_limit_can_be_moved(tmp_path) -> None:
     text = AGENT + "require a: eventually[0, 5] r.x >= 2 m\nminimize effort\n"
     (tmp_path / "m.stl").write_text(text, encoding="utf-8")
@@ -56,5 +65,5 @@ def test_the_limit_can_be_moved(tmp_path) -> None:
         done = stlc(command, "m.stl", "--max-size", "20", folder=tmp_path)
         assert done.returncode == 1
         assert "E0806" in done.stderr
-        assert stlc(command, "m.stl", "--max-size", "100", folder=tmp_path).returncode == 0
-    assert compile_mission(loads(text), CompileOptions(max_size=100)).model.columns
+        assert stlc(command, "m.stl", "--max-size", "200", folder=tmp_path).returncode == 0
+    assert compile_mission(loads(text), CompileOptions(max_size=200)).model.columns
