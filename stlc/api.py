@@ -16,6 +16,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from stlc.files import real
+
 if TYPE_CHECKING:
     from stlc.arrays import Floats as Array
     from stlc.diagnostics import Diagnostic
@@ -52,7 +54,7 @@ def load(
     from stlc.sema import load_mission
     from stlc.syntax.read import read_source
 
-    folder = Path(path).resolve().parent
+    folder = real(path).parent
     return load_mission(read_source(Path(path)), params or {}, folder, tuple(allow_paths))
 
 
@@ -177,7 +179,7 @@ def changes(
     from stlc.solve.deadline import Deadline
 
     def again(text: str) -> Mission:
-        folder = Path(path).resolve().parent
+        folder = real(path).parent
         return loads(text, name=str(path), params=params, folder=folder, allow_paths=allow_paths)
 
     deadline = Deadline.after(time_limit)

@@ -34,6 +34,17 @@ _REASONS = {
 _STDOUT = ("/dev/stdout", "/dev/fd/1", "/proc/self/fd/1")
 
 
+def real(path: str | os.PathLike[str]) -> Path:
+    """The absolute path without symbolic links; one in a circle stays, and can't be read."""
+    return Path(os.path.realpath(path))
+
+
+def is_stream(path: str | os.PathLike[str]) -> bool:
+    """Whether an output is a pipe or a device: what is written goes on, nothing takes its place."""
+    target = Path(path)
+    return target.exists() and not target.is_file() and not target.is_dir()
+
+
 def write_atomic(
     path: str | os.PathLike[str], data: bytes | str, *, in_place: bool = False
 ) -> None:
@@ -53,7 +64,7 @@ def check_writable(path: str | os.PathLike[str]) -> None:
     """
     target = Path(path)
     refuse_input(target)
-    if target.exists() and not target.is_file() and not target.is_dir():
+    if is_stream(target):
         return
     final = Path(os.path.realpath(target))
     try:
@@ -120,7 +131,7 @@ def _opened(target: Path) -> Iterator[BinaryIO]:
         yield sys.stdout.buffer  # descriptor 1 may be muted: a solver's library prints there
         sys.stdout.buffer.flush()
         return
-    if target.exists() and not target.is_file() and not target.is_dir():
+    if is_stream(target):
         with target.open("wb") as stream:
             yield stream
         return

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
+from stlc.files import real
 from stlc.inputs import InputError, TooLargeError, read_input
 
 _CHECK = "check the name; paths are relative to the file that names them"
@@ -56,8 +57,8 @@ class FolderLoader:
         """Absolute path of a file. Raises LoadError when it lies elsewhere."""
         if "\0" in name or not name:
             raise LoadError("not a file name", "give the name of a file")
-        path = (self._folder(base) / name).resolve()
-        roots = [Path(r).resolve() for r in (self.root, *self.allow)]
+        path = real(self._folder(base) / name)
+        roots = [real(r) for r in (self.root, *self.allow)]
         if not any(path.is_relative_to(r) for r in roots):
             raise LoadError(
                 "lies outside the mission's folder",
@@ -77,7 +78,7 @@ class FolderLoader:
 
     def shown(self, resolved: str) -> str:
         """The path from the mission's folder, for people."""
-        path, root = Path(resolved), Path(self.root).resolve()
+        path, root = Path(resolved), real(self.root)
         return str(path.relative_to(root)) if path.is_relative_to(root) else resolved
 
     def read_bytes(self, name: str, base: str) -> bytes:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stlc.cli.amount import Amount
 from stlc.cli.interrupt import INTERRUPTED, interruptible
 
 if TYPE_CHECKING:
@@ -99,13 +100,11 @@ class _Words:
               " [default: 60, quick: 10]")  # fmt: skip
 @click.option("--repeat", type=click.IntRange(min=1), default=1, show_default=True, metavar="N",
               help="Only what was solved the first time is repeated.")  # fmt: skip
-@click.option("--gap", type=click.FloatRange(min=0), default=1e-4, show_default=True,
+@click.option("--gap", type=Amount(min=0), default=1e-4, show_default=True,
               help="Relative distance from the optimum that is good enough.")  # fmt: skip
 @click.option("--threads", type=click.IntRange(min=1), default=1, show_default=True,
               help="Of the solver.")  # fmt: skip
-@click.option(
-    "--memory", type=click.FloatRange(min=0, min_open=True), metavar="GB", help="For each run."
-)
+@click.option("--memory", type=Amount(min=0, min_open=True), metavar="GB", help="For each run.")
 @click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True,
               help="Runs at once; more than one disturb each other's times.")  # fmt: skip
 @click.option("--cluster", metavar="ADDRESS", help="Run on a dask.distributed cluster.")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stlc.cli.amount import Amount
 from stlc.cli.answer import answer
 from stlc.cli.common import (
     GRACE,
@@ -19,6 +20,7 @@ from stlc.cli.common import (
 )
 from stlc.cli.completion import backend_option
 from stlc.errors import InfeasibleError, NoPlanError, ViolationError
+from stlc.files import real
 
 if TYPE_CHECKING:
     from stlc.explain.conflict import Conflict
@@ -36,7 +38,7 @@ _EXPLAINING = 0.5  # part of the time, where changes are looked for afterwards
 @mission_options
 @click.argument("plan", type=click.Path(path_type=Path), required=False)
 @backend_option
-@click.option("--time-limit", type=click.FloatRange(min=0), default=60.0, show_default=True,
+@click.option("--time-limit", type=Amount(min=0), default=60.0, show_default=True,
               metavar="S", help="Seconds for all solves together.")  # fmt: skip
 @click.option("--all", "every", is_flag=True, help="Every minimal conflict, not one.")
 @click.option("--fix", is_flag=True, help="Offer the smallest changes that give a plan.")
@@ -68,7 +70,7 @@ def explain_command(
     def again(text: str) -> Mission:
         from stlc.api import loads
 
-        folder = file.resolve().parent
+        folder = real(file).parent
         return loads(
             text, name=str(file), params=parse_defines(define), folder=folder,
             allow_paths=allow_path,

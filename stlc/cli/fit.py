@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from stlc.cli.amount import Amount
 from stlc.cli.answer import answer
 from stlc.errors import UsageError
 from stlc.files import check_writable
@@ -19,9 +20,9 @@ if TYPE_CHECKING:
 @click.command("fit")
 @click.argument("samples", type=click.Path(path_type=Path))
 @click.option("--test", type=click.Path(path_type=Path), help="Held-back samples (CSV).")
-@click.option("--share", type=click.FloatRange(0, 1, min_open=True, max_open=True), default=0.2,
+@click.option("--share", type=Amount(0, 1, min_open=True, max_open=True), default=0.2,
               show_default=True, help="Share held back where there is no --test.")  # fmt: skip
-@click.option("--d0", type=click.FloatRange(min=0, min_open=True), default=1.0, show_default=True,
+@click.option("--d0", type=Amount(min=0, min_open=True), default=1.0, show_default=True,
               help="Reference distance [m].")  # fmt: skip
 @click.option("--offsets", is_flag=True, help="One unknown offset for each receiver.")
 @click.option("--floor", type=float, help="Noise floor [dB(m)]: samples at it are censored.")

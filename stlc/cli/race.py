@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stlc.cli.amount import Amount
 from stlc.cli.answer import answer
 from stlc.cli.common import (
     check_outputs,
@@ -50,9 +51,9 @@ class _Words:
 @click.option("--with", "entrants", default="highs:auto,scip:auto", show_default=True,
               metavar="BACKEND:ENCODING,...", help="Who races.")  # fmt: skip
 @click.option("--cluster", metavar="ADDRESS", help="Run on a dask.distributed cluster.")
-@click.option("--time-limit", type=click.FloatRange(min=0), metavar="S", help="For each racer.")
-@click.option("--memory", type=click.FloatRange(min=0), metavar="GB", help="For each racer.")
-@click.option("--gap", type=click.FloatRange(min=0), default=1e-4, show_default=True,
+@click.option("--time-limit", type=Amount(min=0), metavar="S", help="For each racer.")
+@click.option("--memory", type=Amount(min=0), metavar="GB", help="For each racer.")
+@click.option("--gap", type=Amount(min=0), default=1e-4, show_default=True,
               help="Relative distance from the optimum that is good enough.")  # fmt: skip
 @click.option("--threads", type=click.IntRange(min=1), default=1, show_default=True,
               help="Of each racer.")  # fmt: skip

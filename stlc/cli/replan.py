@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stlc.cli.amount import Amount
 from stlc.cli.answer import answer
 from stlc.cli.common import check_outputs, load, mission_options
 from stlc.cli.completion import backend_option
@@ -26,9 +27,9 @@ if TYPE_CHECKING:
               help="States measured there (JSON); else those of the plan.")  # fmt: skip
 @click.option("--samples", multiple=True, metavar="[CHANNEL=]CSV",
               help="Signal strengths measured on the way.")  # fmt: skip
-@click.option("--time-limit", type=click.FloatRange(min=0), default=10.0, show_default=True,
+@click.option("--time-limit", type=Amount(min=0), default=10.0, show_default=True,
               metavar="S", help="Seconds for the solver.")  # fmt: skip
-@click.option("--gap", type=click.FloatRange(min=0), default=1e-4, show_default=True,
+@click.option("--gap", type=Amount(min=0), default=1e-4, show_default=True,
               help="Relative distance from the optimum that is good enough.")  # fmt: skip
 @backend_option
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="The new plan (JSON).")

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from stlc.cli.amount import Amount
 from stlc.cli.answer import answer
 from stlc.cli.common import load, mission_options
 
@@ -17,7 +18,7 @@ from stlc.cli.common import load, mission_options
               help="How often the plan is carried out.")  # fmt: skip
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True,
               help="The same seed gives the same draws.")  # fmt: skip
-@click.option("--confidence", type=click.FloatRange(0, 1, min_open=True, max_open=True),
+@click.option("--confidence", type=Amount(0, 1, min_open=True, max_open=True),
               default=0.95, show_default=True, help="Of the intervals.")  # fmt: skip
 @click.option("--no-fading", is_flag=True, help="Links as the mean of many packets has them.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stlc.cli.amount import Amount
 from stlc.cli.answer import answer, answer_end
 from stlc.cli.common import (
     GRACE,
@@ -73,9 +74,9 @@ class _Words:
 @click.option("--strategy", default="auto", show_default=True, metavar="NAME",
               shell_complete=offer_strategies,
               help="`milp`: one plain solve; another's name: it, then `milp`.")  # fmt: skip
-@click.option("--time-limit", type=click.FloatRange(min=0), metavar="S",
+@click.option("--time-limit", type=Amount(min=0), metavar="S",
               help="Seconds for the solver; the best plan so far stands.")  # fmt: skip
-@click.option("--gap", type=click.FloatRange(min=0), default=1e-4, show_default=True,
+@click.option("--gap", type=Amount(min=0), default=1e-4, show_default=True,
               help="Relative distance from the optimum that is good enough.")  # fmt: skip
 @click.option(
     "--threads", type=click.IntRange(min=1), help="Of the solver; else one, so that plans repeat."

@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stlc.cli.amount import Amount
 from stlc.cli.answer import answer
 from stlc.cli.common import check_outputs
 from stlc.cli.completion import backend_option
 from stlc.cli.interrupt import INTERRUPTED, interruptible
+from stlc.files import real
 
 if TYPE_CHECKING:
     from stlc.sweep.axes import Axis, Point
@@ -55,9 +57,9 @@ class _Words:
 @click.option("--points", type=click.IntRange(2, 1000), default=9, show_default=True,
               help="Of each trade-off curve, its ends included.")  # fmt: skip
 @backend_option
-@click.option("--time-limit", type=click.FloatRange(min=0, min_open=True), metavar="S",
+@click.option("--time-limit", type=Amount(min=0, min_open=True), metavar="S",
               help="Seconds for each solve; the best plan so far counts.")  # fmt: skip
-@click.option("--gap", type=click.FloatRange(min=0), default=1e-4, show_default=True,
+@click.option("--gap", type=Amount(min=0), default=1e-4, show_default=True,
               help="Relative distance from the optimum that is good enough.")  # fmt: skip
 @click.option("--csv", "csv_path", type=click.Path(path_type=Path), help="The table as CSV.")
 @click.option("-o", "--output", type=click.Path(path_type=Path),
@@ -108,8 +110,8 @@ def _tasks(file: Path, grid: Sequence[Point], given: _Words) -> list[Task]:
     files = digest(file, grid[0], given.allow_path)
     if costs is not None:
         _check_costs(file, grid[0], costs, given)
-    allowed = tuple(str(path.resolve()) for path in given.allow_path)
-    path = str(file.resolve())
+    allowed = tuple(str(real(path)) for path in given.allow_path)
+    path = str(real(file))
     limits = (None, None, given.time_limit, given.gap, given.backend, allowed)
     return [Task(Question(path, point, files, *limits), costs, given.points) for point in grid]
 
@@ -121,7 +123,7 @@ def _check_costs(file: Path, point: Point, costs: tuple[str, str], given: _Words
 
     mission = load(file, params=dict(point), allow_paths=given.allow_path)
     for cost in costs:
-        terms_of(mission, cost, file.resolve().parent, given.allow_path)
+        terms_of(mission, cost, real(file).parent, given.allow_path)
 
 
 def _found(

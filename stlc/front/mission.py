@@ -12,7 +12,7 @@ import numpy as np
 
 from stlc import api
 from stlc.errors import MissionError, UsageError
-from stlc.files import scratch_folder, write_atomic
+from stlc.files import real, scratch_folder, write_atomic
 from stlc.front.expressions import Formula, Quantity
 from stlc.front.handles import Agent, Channel, Dynamics, Place, Station
 from stlc.front.plan import Plan, plan_of
@@ -265,7 +265,7 @@ def load(
 
     mission = loads(
         read_source(path).text, name=os.fspath(path), params=params,
-        folder=Path(path).resolve().parent, allow_paths=allow_paths,
+        folder=real(path).parent, allow_paths=allow_paths,
     )  # fmt: skip
     _ = mission.checked
     return mission

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from stlc.backends.base import Floats, Solution, Status, relative_gap
 from stlc.errors import OutputError, SolverError
+from stlc.files import is_stream
 from stlc.sense import Sense
 from stlc.solve.deadline import Stopwatch
 from stlc.solve.events import DiagnosticEvent, Listener, SolutionEvent
@@ -74,8 +75,11 @@ class Incumbent:
         return None if self.bound is None else min(self.bound, objective)
 
     def _save(self, plan: Plan) -> bool:
-        """A disk that is full now may not be later: say so once, and let the solver work on."""
-        if self.save_to is None:
+        """A disk that is full now may not be later: say so once, and let the solver work on.
+
+        A pipe gets the last plan alone.
+        """
+        if self.save_to is None or is_stream(self.save_to):
             return False
         try:
             plan.write(self.save_to)

@@ -16,6 +16,7 @@ from stlc.errors import (
     NoPlanError,
     StlcError,
 )
+from stlc.files import real
 from stlc.inputs import inputs_so_far, note_input, read_input, recorded_inputs
 from stlc.mission import Cap, Mission
 from stlc.plan import Plan, SolveInfo
@@ -127,7 +128,7 @@ def _mission(question: Question) -> Mission:
     """The mission with the objective and the cap that are asked for."""
     path, allowed = Path(question.path), tuple(map(Path, question.allow_paths))
     mission = api.load(path, params=dict(question.params), allow_paths=allowed)
-    folder = path.resolve().parent
+    folder = real(path).parent
     if question.cap is not None:
         cost, limit = question.cap
         cap = Cap(cost, terms_of(mission, cost, folder, allowed), limit)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 
@@ -77,3 +78,38 @@ def test_a_folder_that_is_missing(folder: Path) -> None:
             done = stlc(*words, "gone/out.json", folder=folder)
             assert done.returncode == 74, done.stderr
             assert "the folder gone does not exist" in done.stderr
+
+
+def test_a_pipe_gets_one_plan(folder: Path) -> None:
+    """Every better plan went into it: its reader left after the first, and the solve hung."""
+    os.mkfifo(folder / "pipe")
+    end = os.open(folder / "pipe", os.O_RDWR | os.O_NONBLOCK)
+    words = ("solve", "m.stl", "--progress", "none", "-o", "pipe")
+    assert stlc(*words, folder=folder).returncode == 0
+    told = os.read(end, 1 << 16)
+    os.close(end)
+    assert json.loads(told)["solve"]["status"] == "optimal"
+
+
+def test_links_in_a_circle_are_no_input(folder: Path) -> None:
+    (folder / "x.stl").symlink_to("y.stl")
+    (folder / "y.stl").symlink_to("x.stl")
+    assert stlc("check", "x.stl", folder=folder).returncode == 2
+    (folder / "m.stl").write_text('import "x.stl"\n' + MISSION)
+    done = stlc("check", "m.stl", folder=folder)
+    assert done.returncode == 1
+    assert "m.stl:1:" in done.stderr
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("solve", "m.stl", "--time-limit"), ("solve", "m.stl", "--gap"),
+        ("race", "m.stl", "--memory"), ("explain", "m.stl", "--time-limit"),
+        ("sweep", "m.stl", "--gap"), ("simulate", "m.stl", "p.json", "--confidence"),
+    ],
+)  # fmt: skip
+def test_no_number_is_no_limit(words: tuple[str, ...], folder: Path) -> None:
+    done = stlc(*words, "nan", folder=folder)
+    assert done.returncode == 2
+    assert "'nan' is not a number" in done.stderr
