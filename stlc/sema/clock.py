@@ -17,6 +17,7 @@ from stlc.source import Span
 from stlc.syntax import ast
 
 MOST_STEPS = 1_000_000
+FAR = 1e15  # steps that doubles don't tell from their neighbours, or nearly so
 
 
 def steps(expr: ast.Expr, scope: Scope, env: Env = EMPTY) -> int:
@@ -37,11 +38,13 @@ def as_steps(scalar: Scalar, span: Span, scope: Scope) -> int:
 
 def _limited(count: int, span: Span) -> int:
     if count > MOST_STEPS:
-        raise Mistake(HugeTime(span=span, steps=count, limit=MOST_STEPS))
+        raise Mistake(HugeTime(span=span, steps=str(count), limit=MOST_STEPS))
     return count
 
 
 def _whole(ratio: float, span: Span, step: float, unit: str) -> int:
+    if ratio >= FAR:  # a quotient may overflow where neither number does
+        raise Mistake(HugeTime(span=span, steps=f"{ratio:.3g}", limit=MOST_STEPS))
     nearest = round(ratio)
     if abs(ratio - nearest) <= 1e-9 * max(1.0, abs(ratio)):
         return nearest

@@ -98,5 +98,5 @@ class HugeTime(Diagnostic):
     title: ClassVar[str] = "{steps} steps are more than {limit}"
     label: ClassVar[str] = "too long"
     help: ClassVar[str] = "use a longer `step`"
-    steps: int
+    steps: str
     limit: int
