@@ -43,6 +43,7 @@ def _limited(count: int, span: Span) -> int:
 
 
 def _whole(ratio: float, span: Span, step: float, unit: str) -> int:
+    """A quotient of a time and the step that is a whole number; Mistake for any other."""
     if ratio >= FAR:  # a quotient may overflow where neither number does
         raise Mistake(HugeTime(span=span, steps=f"{ratio:.3g}", limit=MOST_STEPS))
     nearest = round(ratio)
