@@ -16,7 +16,7 @@ export HYPOTHESIS_PROFILE ?= ci
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test test-fast test-full test-lowest test-newest coverage lint types format \
-	bench pins clean
+	docs bench pins clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -72,12 +72,17 @@ format: $(STAMP) ## let ruff mend style and formatting
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
+docs: $(STAMP) ## the site of docs/, warnings being errors, in out/docs
+	$(BIN)/python $(PIP) -c constraints.txt -e '.[docs]'
+	$(BIN)/python -m sphinx -q -W -b html docs $(OUT)/docs
+	@echo "look at $(OUT)/docs/index.html"
+
 bench: $(STAMP) ## the benchmark suites that take minutes, with their report
 	$(BIN)/stlc bench --quick --store $(OUT)/bench.sqlite
 	$(BIN)/stlc bench report --store $(OUT)/bench.sqlite -o $(OUT)/bench.html --csv $(OUT)/bench.csv
 
 RESOLVE := pip compile --quiet --upgrade --no-header --no-annotate --python-version 3.11 \
-	--extra all --extra test pyproject.toml
+	--extra all --extra docs --extra test pyproject.toml
 
 pins: $(STAMP) ## resolve both constraints files anew: today's newest, and our lowest
 	$(BIN)/python $(PIP) uv
