@@ -11,8 +11,8 @@ Semantics (discrete steps t = 0..T; rho is the robustness, satisfied means rho >
   what changes with the clock, such as a moving obstacle.
 
 An interval whose upper end is None is unbounded; the horizon pass closes it. Nodes compare by
-structure and keep their hash, so that hash-consing costs one look-up a node; `span` says where a
-node came from and takes no part in comparison.
+structure and keep their hash, so that hash-consing costs one look-up a node; nodes that were found
+to be equal remember it. `span` says where a node came from and takes no part in comparison.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from functools import partial
 from stlc.ir.claims import Membership
 from stlc.ir.claims import Motion as Motion
 from stlc.ir.claims import Swept as Swept
+from stlc.ir.equality import equal
 from stlc.ir.norms import Norms
 from stlc.ir.signals import Quantity as Quantity
 from stlc.ir.signals import Relation as Relation
@@ -44,6 +45,7 @@ class Node:
     member: Membership | None = field(default=None, repr=False, kw_only=True)
     norms: Norms | None = field(default=None, repr=False, kw_only=True)
     _hash: int = field(default=0, init=False, repr=False, kw_only=True)
+    _same: Node | None = field(default=None, init=False, repr=False, kw_only=True)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_hash", hash((type(self).__name__, self.key)))
@@ -57,6 +59,11 @@ class Node:
     def key(self) -> tuple[object, ...]:
         """Everything that makes two nodes of one type equal."""
         return ()
+
+    @property
+    def own(self) -> tuple[object, ...]:
+        """The key but for the parts, and how many of these there are."""
+        return (len(self.children), *(part for part in self.key if not isinstance(part, Node)))
 
     @property
     def children(self) -> tuple[Node, ...]:
@@ -73,30 +80,10 @@ class Node:
             return False
         if self._hash != other._hash:
             return False
-        return _equal(self, other) if self.children else self.key == other.key
-
-
-def _equal(one: Node, other: Node) -> bool:
-    """Structural equality without recursion, each pair of parts compared once.
-
-    A formula that uses its parts often, told twice, has more paths than could ever be walked.
-    """
-    seen: set[tuple[int, int]] = set()
-    todo = [(one, other)]
-    while todo:
-        a, b = todo.pop()
-        if a is b or (id(a), id(b)) in seen:
-            continue
-        if type(a) is not type(b) or a._hash != b._hash or _own(a) != _own(b):
-            return False
-        seen.add((id(a), id(b)))
-        todo += zip(a.children, b.children, strict=True)
-    return True
-
-
-def _own(node: Node) -> tuple[object, ...]:
-    """The key but for the parts, and how many of these there are."""
-    return (len(node.children), *(part for part in node.key if not isinstance(part, Node)))
+        key = other.key
+        if self.key is key:
+            return True  # the arguments of a copy with another span
+        return equal(self, other) if self.children else self.key == key
 
 
 @dataclass(frozen=True, slots=True, eq=False)

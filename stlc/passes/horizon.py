@@ -14,6 +14,7 @@ Needs: nothing. Guarantees: every interval is bounded; the robustness is unchang
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from stlc.errors import UsageError
@@ -44,7 +45,8 @@ def run(program: Program) -> Program:
                 f"the horizon of {program.horizon} steps"
             )
     closed = _closed_below(program.formulas, last)
-    return program.with_formulas([_at_start(closed[f]) for f in program.formulas])
+    started = _started([closed[f] for f in program.formulas])
+    return program.with_formulas([started[closed[f]] for f in program.formulas])
 
 
 def last_steps(roots: tuple[Node, ...], horizon: int) -> dict[Node, int]:
@@ -95,13 +97,33 @@ def _closed_below(roots: tuple[Node, ...], last: dict[Node, int]) -> dict[Node, 
     return closed
 
 
-def _at_start(node: Node) -> Node:
-    """Step 0 is known above the first temporal operator: no `timed` is needed there."""
+def _started(roots: Sequence[Node]) -> dict[Node, Node]:
+    """Formulas at step 0, which is known above the first temporal operator: no `timed` there."""
+    done: dict[Node, Node] = {}
+    todo = list(roots)
+    while todo:
+        node = todo[-1]
+        below = _below_start(node)
+        unknown = [part for part in below if part not in done]
+        todo += unknown
+        if not unknown:
+            parts = [done[part] for part in below]
+            done[node] = _rebuilt(node, parts)
+            todo.pop()
+    return done
+
+
+def _below_start(node: Node) -> tuple[Node, ...]:
+    """What is judged at step 0 where a node is."""
     if isinstance(node, Timed):
-        return _at_start(node.at(0))
-    if isinstance(node, Always | Eventually | Until | Release) or not node.children:
-        return node
-    return with_children(node, [_at_start(c) for c in node.children])
+        return (node.at(0),)
+    return () if isinstance(node, Always | Eventually | Until | Release) else node.children
+
+
+def _rebuilt(node: Node, parts: Sequence[Node]) -> Node:
+    if isinstance(node, Timed):
+        return parts[0]
+    return with_children(node, parts) if parts else node
 
 
 def _start(node: Node) -> int:

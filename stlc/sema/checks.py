@@ -127,7 +127,8 @@ def _requirements(mission: Mission, scope: Scope) -> None:
         scope.report.add(NoRequirement(span=mission.source.span(0, 0)))
     known = boxes(mission.agents, mission.workspace)
     anywhere = StaticRange(known)
-    started = StaticRange(known, {n: a.start for n, a in mission.agents.items()})
+    starts = {n: a.start for n, a in mission.agents.items()}
+    started = StaticRange(known, starts, anywhere.later)
     for item in mission.requirements:
         low, high = anywhere.of(item.formula, first=False)
         if high < item.margin - TOLERANCE:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -47,23 +48,22 @@ def boxes_meet(a: Polytope, b: Polytope) -> bool:
     return bool((low <= high + TOUCH).all())
 
 
-def apart(a: Polytope, b: Polytope) -> float:
-    """The widest strip along a face of either that parts the two [m]; below 0 they overlap."""
-    return max(float(_gaps(a, b).max()), float(_gaps(b, a).max()))
-
-
 def _gaps(a: Polytope, b: Polytope) -> Array:
     """How far b lies beyond each face of a."""
     return np.asarray((a.normals @ b.vertices.T).min(axis=1) - a.offsets)
 
 
+@lru_cache(maxsize=4096)
 def contact(a: Polytope, b: Polytope) -> Contact | None:
-    """Where two pieces touch without a common interior; None if they overlap or are apart."""
-    gap = apart(a, b)
-    if not -DEEP <= gap <= TOUCH:
-        return None
+    """Where two pieces touch without a common interior; None if they overlap or are apart.
+
+    Kept for a while: two are asked for again with each third that both touch.
+    """
     mine, other = _gaps(a, b), _gaps(b, a)
-    owner, face = (a, int(mine.argmax())) if mine.max() >= other.max() else (b, int(other.argmax()))
+    own, far = float(mine.max()), float(other.max())
+    if not -DEEP <= max(own, far) <= TOUCH:
+        return None
+    owner, face = (a, int(mine.argmax())) if own >= far else (b, int(other.argmax()))
     normal = owner.normals[face] if owner is a else -owner.normals[face]
     return _along(a, b, normal)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from stlc.ir.requirement import Requirement
 from stlc.mission import ObjectiveTerm, TermKind
 from stlc.preferences import Preference
+from stlc.sema import quotas
 from stlc.sema.durations import durations
 from stlc.sema.joints import joined
 from stlc.sema.name_errors import Redeclared
@@ -33,14 +34,19 @@ def carried_on(
     if not moving or scope.report.errors:
         return requirements, wishes
     scope.last_step, scope.placed = steps, 0
-    for statement in moving:
-        with scope.report.guard():
+    with scope.report.guard():
+        quotas.check_all(moving, scope)
+        for statement in moving:
             shaper.obstacle(statement)
-    report, scope.report = scope.report, Report()  # all was reported the first time
+    if scope.report.errors:
+        return requirements, wishes
+    report, scope.report = scope.report, Report()  # warnings were reported the first time
     scope.memo.clear()
     scope.requirements.clear()
     again = required(statements, scope)
     wishes = preferred(statements, scope)
+    for error in scope.report.errors:
+        report.add(error)
     scope.report = report
     return again, wishes
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 from stlc.diagnostics import Diagnostic, Fix
@@ -71,13 +71,19 @@ def flipped(env: Env) -> Env:
     return replace(env, positive=not env.positive)
 
 
-def gather(exprs: Iterable[ast.Expr], env: Env, scope: Scope) -> tuple[Node, ...]:
+def gather(
+    exprs: Iterable[ast.Expr],
+    env: Env,
+    scope: Scope,
+    meaning: Callable[[ast.Expr, Env, Scope], Node] | None = None,
+) -> tuple[Node, ...]:
     """Each formula; the mistakes of all are reported before going on."""
+    meaning = meaning or (lambda expr, env, scope: scope.formula(expr, env))
     nodes: list[Node] = []
     failed = False
     for expr in exprs:
         try:
-            nodes.append(scope.formula(expr, env))
+            nodes.append(meaning(expr, env, scope))
         except Mistake as mistake:
             scope.report.add(mistake.diagnostic)
             failed = True
@@ -105,13 +111,24 @@ def logical(expr: ast.Logical, env: Env, scope: Scope) -> Node:
 
 def iff(expr: ast.Logical, env: Env, scope: Scope) -> Node:
     """Both directions; spelt out when the two polarities differ (a distance is involved)."""
-    left, right = gather(expr.args, env, scope)
-    under_left, under_right = gather(expr.args, flipped(env), scope)
+    left, right = gather(expr.args, env, scope, _side)
+    under_left, under_right = gather(expr.args, flipped(env), scope, _side)
     if (left, right) == (under_left, under_right):
         return Iff(left, right, span=expr.span)
     there = Implies(under_left, right, span=expr.span)
     back = Implies(under_right, left, span=expr.span)
     return And((there, back), span=expr.span)
+
+
+def _side(expr: ast.Expr, env: Env, scope: Scope) -> Node:
+    """A side of an `iff`, kept for each polarity: both are asked for by each `iff` around it."""
+    key = ("side", id(expr), tuple(env.bound.items()), env.positive, env.margin)
+    known = scope.known(key)
+    if isinstance(known, Node):
+        return known
+    with scope.expanded(key):
+        node = scope.memo[key] = scope.formula(expr, env)
+    return node
 
 
 def temporal(expr: ast.Temporal, env: Env, scope: Scope) -> Node:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -16,11 +17,8 @@ FLAT = 1e-12
 
 
 def area(ring: Sequence[Point]) -> float:
-    """Signed area of a ring (counter-clockwise is positive) [m^2]."""
-    total = 0.0
-    for (x0, y0), (x1, y1) in zip(ring, [*ring[1:], ring[0]], strict=True):
-        total += x0 * y1 - x1 * y0
-    return total / 2.0
+    """Signed area of a ring (counter-clockwise is positive) [m^2], however far it is from 0."""
+    return sum(turn(ring[0], a, b) for a, b in pairwise(ring)) / 2.0
 
 
 def turn(a: Point, b: Point, c: Point) -> float:
@@ -85,9 +83,9 @@ def is_convex(ring: Sequence[Point]) -> bool:
 def polytope(ring: Sequence[Point]) -> Polytope:
     """Half-planes of a convex, counter-clockwise, simplified ring."""
     vertices = np.array(ring, dtype=np.float64)
-    edges = np.roll(vertices, -1, axis=0) - vertices
+    edges = np.concatenate((vertices[1:], vertices[:1])) - vertices
     lengths = np.hypot(edges[:, 0], edges[:, 1])
-    normals = np.column_stack([edges[:, 1], -edges[:, 0]]) / lengths[:, None] + 0.0
+    normals = edges[:, ::-1] * (1.0, -1.0) / lengths[:, None] + 0.0
     offsets = np.einsum("ij,ij->i", normals, vertices)
     return Polytope(normals, _tidy_offsets(normals, offsets, vertices), vertices)
 

@@ -11,7 +11,7 @@ obstacles count together where a conjunction demands both: that of all requireme
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 
@@ -96,6 +96,7 @@ class _Joints:
     done: dict[Node, Node] = field(default_factory=dict)
     kept: dict[Node, Mapping[_Key, _Kept]] = field(default_factory=dict)
     plugs: dict[tuple[tuple[int, ...], bool], list[Sweeps]] = field(default_factory=dict)
+    made: dict[Hashable, Node] = field(default_factory=dict)
     neighbours: dict[int, frozenset[int]] = field(default_factory=dict)
 
     def closed(self, node: Node) -> Node:
@@ -181,18 +182,27 @@ class _Joints:
         for other in kept[1:]:
             windows = _common(windows, other.windows)
         levels = _levels([k.avoided for k in kept]) if windows else None
-        plugs = self._plugs(kept) if levels is not None else []
-        if not plugs or levels is None:
-            return []
         first, last = kept[0].avoided, kept[1].avoided
         span = first.span or last.span
         assert span is not None, "a condition of the file has its place in it"
-        where, swept = point(first.agent, span), all(k.avoided.swept for k in kept)
-        parts = tuple(
-            keep(where, sweeps, False, swept, self.scope, span, levels) for sweeps in plugs
-        )
+        plugs = self._plugs(kept) if levels is not None else []
+        if not plugs or levels is None:
+            return []
+        swept = all(k.avoided.swept for k in kept)
+        parts = tuple(self._outside(sweeps, first.agent, swept, levels, span) for sweeps in plugs)
         node = parts[0] if len(parts) == 1 else And(parts, span=span)
         return [_within(node, *window) for window in windows]
+
+    def _outside(
+        self, plugs: Sweeps, agent: Radio, swept: bool, levels: Levels, span: Span
+    ) -> Node:
+        """Keep an agent out of plugs: the same node where two pairs meet in one point."""
+        shape = tuple((s.move, *(p.vertices.tobytes() for p in s.pieces)) for s in plugs)
+        key = (agent.name, shape, swept, levels)
+        if key not in self.made:
+            where = point(agent, span)
+            self.made[key] = keep(where, plugs, False, swept, self.scope, span, levels)
+        return self.made[key]
 
     def _plugs(self, kept: Sequence[_Kept]) -> list[Sweeps]:
         swept = all(k.avoided.swept for k in kept)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from stlc.ir.nodes import Role, Signal
 from stlc.mission import Agent, Array, Station
 from stlc.sema.name_errors import NoPosition, UnknownMember, WrongKind
@@ -44,7 +42,7 @@ def agent_member(agent: Agent, name: str, span: Span) -> Value:
     if name == "position" and axes:
         return Items(place(agent, span)[: len(axes)], "tuple")
     if name in axes:
-        return place(agent, span)[axes.index(name)]
+        return _coordinate(agent, axes.index(name))
     if name == "state":
         return Members(tuple(state(agent, k) for k in range(len(dynamics.states))))
     if name == "u":
@@ -89,7 +87,7 @@ def output(agent: Agent, name: str) -> Scalar:
 
 
 def _row(agent: Agent, role: Role, row: Array) -> tuple[tuple[Signal, float], ...]:
-    return tuple((Signal(agent.name, role, int(k)), float(row[k])) for k in np.flatnonzero(row))
+    return tuple((Signal(agent.name, role, k), row.item(k)) for k in row.nonzero()[0].tolist())
 
 
 AXES = "xyz"
@@ -111,11 +109,17 @@ def place(thing: Agent | Station, span: Span) -> Place3:
     if isinstance(thing, Station):
         x, y, z = (Scalar(float(c), unit=METRE) for c in thing.place)
         return x, y, z
-    rows = thing.dynamics.space
-    if rows is None:
+    if thing.dynamics.position is None:
         raise Mistake(NoPosition(span=span, name=thing.name))
-    x, y, z = (Scalar(terms=_row(thing, Role.STATE, row), unit=METRE) for row in rows)
-    return x, y, z
+    return _coordinate(thing, 0), _coordinate(thing, 1), _coordinate(thing, 2)
+
+
+def _coordinate(agent: Agent, axis: int) -> Scalar:
+    """x, y or the height of an agent that is somewhere."""
+    dynamics = agent.dynamics
+    assert dynamics.position is not None
+    row = dynamics.position[axis] if axis < 2 else dynamics.altitude
+    return Scalar(terms=() if row is None else _row(agent, Role.STATE, row), unit=METRE)
 
 
 def flies(value: Value) -> bool:

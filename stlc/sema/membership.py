@@ -13,6 +13,7 @@ from stlc.ir.nodes import And, Const, Linear, Motion, Node, Or, Swept, Timed
 from stlc.places import Polytope, Sweep
 from stlc.record import changed
 from stlc.sema.compare import at_least_zero
+from stlc.sema.faces import Plane
 from stlc.sema.heights import EVERY, Levels, kept_from
 from stlc.sema.members import point
 from stlc.sema.name_errors import NotNegatable, WrongKind
@@ -26,6 +27,9 @@ from stlc.sema.units import METRE
 from stlc.sema.values import Env, Items, Place, Radio, Scalar, Value, describe
 from stlc.source import Span
 from stlc.syntax import ast
+
+_FACE = 4
+"""Evaluations that a face of a place takes as long as, its checks later on included: some 25 us."""
 
 
 def membership(expr: ast.Membership, env: Env, scope: Scope) -> Node:
@@ -140,11 +144,20 @@ def keep(
     Pieces lie between `levels` of height [m].
     """
     join = Or if inside else And
+    plane = Plane.of(where, span)
     cases: list[Node] = []
     for stay in sweeps:
+        if not swept:
+            scope.spend(_FACE * sum(len(piece.offsets) for piece in stay.pieces), span)
         parts = tuple(
             half_spaces(
-                where, piece, inside, span, _Motion(stay.move, scope) if swept else None, levels
+                where,
+                piece,
+                inside,
+                span,
+                _Motion(stay.move, scope) if swept else None,
+                levels,
+                plane,
             )
             for piece in stay.pieces
         )
@@ -170,21 +183,19 @@ def half_spaces(
     span: Span,
     motion: _Motion | None = None,
     levels: Levels = EVERY,
+    plane: Plane | None = None,
 ) -> Node:
     """Inside: on the inner side of every face. Outside: on the outer side of some face.
 
-    Faces are those of a prism over the piece, between `levels` where they are finite [m].
+    Faces are those of a prism over the piece, between `levels` where they are finite [m]. `plane`
+    is what `where` is of the plane, if it is known already.
     """
+    plane = plane or Plane.of(where, span)
     sign = 1.0 if inside else -1.0
-    faces = []
-    for (nx, ny), offset in zip(piece.normals, piece.offsets, strict=True):
-        depth = add(
-            scale(where[0], -sign * float(nx), METRE),
-            scale(where[1], -sign * float(ny), METRE),
-            span,
-        )
-        depth = add(depth, Scalar(sign * float(offset), unit=METRE), span)
-        faces.append(at_least_zero(depth, span, positive=True))
+    faces = [
+        plane.at_least_zero(-sign * nx, -sign * ny, sign * offset)
+        for (nx, ny), offset in zip(piece.normals.tolist(), piece.offsets.tolist(), strict=True)
+    ]
     for end, up in zip(levels, (sign, -sign), strict=True):
         if isfinite(end):
             beyond = add(scale(where[2], up, METRE), Scalar(-up * end, unit=METRE), span)
@@ -213,6 +224,7 @@ def _until_next(
             for face, change in zip(faces, changes, strict=True)
         )
         parts.append(join(tuple(swept), span=span))
+        scope.spend(_FACE * sum(len(face.children) for face in parts[-1].children), span)
     return parts[0] if count == 1 else And(tuple(parts), span=span)
 
 

@@ -6,7 +6,7 @@ worked out once.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,8 @@ from stlc.sema.tracks import SAME, lasting, translated
 from stlc.sema.values import Place
 
 Sweeps = tuple[Sweep, ...]
+
+_ALIKE = 1e-9  # m that moves within a step may differ by
 
 
 def box_of(place: Place) -> tuple[float, float, float, float]:
@@ -50,11 +52,11 @@ def plugs_of_two(a: Place, b: Place, swept: bool) -> list[Sweeps]:
     """
     found = []
     near = _near_each_other([_track(p, swept) for p in (a, b)])
-    known = _Known()
+    known = _Known(plugs_between)
     for (x, y), close in zip(_steps((a, b), swept), near, strict=True):
         if not close:
             found.append((Sweep((), x.move), Sweep(())))
-        elif np.abs(np.subtract(x.move, y.move)).max() <= 1e-9:
+        elif x.move == y.move or np.abs(np.subtract(x.move, y.move)).max() <= _ALIKE:
             found.append((Sweep(known.plugs(x.pieces, y.pieces), x.move), Sweep(())))
         else:
             found.append((_carried(x, y), _carried(y, x)))
@@ -64,7 +66,9 @@ def plugs_of_two(a: Place, b: Place, swept: bool) -> list[Sweeps]:
 def _near_each_other(tracks: Sequence[Sequence[Sweep]]) -> list[bool]:
     """At which steps the boxes of two bodies touch: plugs lie where their pieces do."""
     count = max(map(len, tracks))
-    low, high = np.empty((2, count, 2)), np.empty((2, count, 2))
+    if count == 1:
+        return [True]  # found by their boxes
+    low, high = np.empty((2, len(tracks), count, 2))
     for k, track in enumerate(tracks):
         for t, sweep in enumerate(track):
             corners = _corners(sweep.pieces)
@@ -83,25 +87,27 @@ def _corners(pieces: Sequence[Polytope]) -> Floats:
 
 @dataclass(slots=True)
 class _Known:
-    """Plugs of two bodies that move alike: worked out once, then carried along."""
+    """Plugs of bodies that move alike: worked out once, then carried along."""
 
-    one: Sequence[Polytope] = ()
-    other: Sequence[Polytope] = ()
+    make: Callable[..., tuple[Polytope, ...]]  # of the pieces of each body
+    bodies: tuple[Sequence[Polytope], ...] = ()
     made: tuple[Polytope, ...] = ()
 
-    def plugs(self, one: Sequence[Polytope], other: Sequence[Polytope]) -> tuple[Polytope, ...]:
-        """`plugs_between`."""
-        by = self._carried(one, other)
+    def plugs(self, *bodies: Sequence[Polytope]) -> tuple[Polytope, ...]:
+        """`make(*bodies)`."""
+        by = self._carried(bodies)
         if by is None:
-            self.one, self.other, self.made = one, other, plugs_between(one, other)
+            self.bodies, self.made = bodies, self.make(*bodies)
             return self.made
         return tuple(translated(p, by) for p in self.made)
 
-    def _carried(self, one: Sequence[Polytope], other: Sequence[Polytope]) -> Point | None:
-        """How both moved since plugs were worked out [m], None where not alike."""
-        if (len(self.one), len(self.other)) != (len(one), len(other)):
+    def _carried(self, bodies: tuple[Sequence[Polytope], ...]) -> Point | None:
+        """How all moved since plugs were worked out [m], None where not alike."""
+        if [len(pieces) for pieces in self.bodies] != [len(pieces) for pieces in bodies]:
             return None
-        before, after = _corners([*self.one, *self.other]), _corners([*one, *other])
+        before, after = (
+            _corners([p for pieces in b for p in pieces]) for b in (self.bodies, bodies)
+        )
         if before.shape != after.shape or np.ptp(after - before, axis=0).max() > SAME:
             return None
         x, y = after[0] - before[0]
@@ -111,10 +117,15 @@ class _Known:
 def plugs_of_three(places: Sequence[Place], swept: bool) -> list[Sweeps]:
     """Plugs where three places meet in a point, at the steps at which they move alike."""
     found = []
-    for sweeps in _steps(places, swept):
-        moves = np.array([s.move for s in sweeps])
-        plugs = meeting(*(s.pieces for s in sweeps)) if np.ptp(moves, axis=0).max() <= 1e-9 else ()
-        found.append(Sweep(plugs, sweeps[0].move))
+    near = _near_each_other([_track(p, swept) for p in places])
+    known = _Known(meeting)
+    for sweeps, close in zip(_steps(places, swept), near, strict=True):
+        first = sweeps[0].move
+        alike = close and all(s.move == first for s in sweeps)
+        if close and not alike:
+            alike = bool(np.ptp([s.move for s in sweeps], axis=0).max() <= _ALIKE)
+        plugs = known.plugs(*(s.pieces for s in sweeps)) if alike else ()
+        found.append(Sweep(plugs, first))
     return [tuple(found)] if any(s.pieces for s in found) else []
 
 

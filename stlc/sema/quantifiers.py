@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from math import prod
 
 from stlc.sema.name_errors import EmptyDomain, TooManyPieces, WrongKind
 from stlc.sema.report import Mistake, Reported
-from stlc.sema.scope import Scope
+from stlc.sema.scope import MOST_WORK, Scope
 from stlc.sema.values import Env, Items, Scalar, Value, describe
 from stlc.source import Span
 from stlc.syntax import ast
@@ -44,10 +45,22 @@ def instances(expr: ast.Quantifier, env: Env, scope: Scope) -> Iterator[Env]:
     bindings = assignments(expr, env, scope)
     scope.instances.append((len(bindings), expr.span))
     try:
+        if isinstance(expr.domain, ast.Name) and expr.domain.text not in env.bound:
+            _check_size(scope)
         for bound in bindings:
             yield bound_with(env, bound)
     finally:
         scope.instances.pop()
+
+
+def _check_size(scope: Scope) -> None:
+    """Raise Mistake where the quantifiers around, all as large each time, are too many.
+
+    Within a definition nothing is said: it is evaluated once for equal arguments.
+    """
+    count = prod(count for count, _ in scope.instances)
+    if not scope.evaluating and count > MOST_WORK:
+        scope.spend(MOST_WORK, scope.instances[0][1], f"{count:.3g} instances")
 
 
 def bound_with(env: Env, bound: Mapping[str, Value]) -> Env:

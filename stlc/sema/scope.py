@@ -9,7 +9,7 @@ from math import prod
 
 from stlc.bezier import Curve
 from stlc.ir.claims import Membership
-from stlc.ir.nodes import Node
+from stlc.ir.nodes import Node, Signal
 from stlc.mission import Agent, Channel, Dynamics, Station
 from stlc.places import Obstacle, Polytope, Region, Wall
 from stlc.sema.name_errors import RecursiveLet, TooDeep, TooLarge, UnknownName, WrongKind
@@ -63,6 +63,7 @@ class Scope:
     memo: dict[Hashable, Node] = field(default_factory=dict)
     asked: dict[Membership, tuple[Value, Place, ast.Membership]] = field(default_factory=dict)
     curves: dict[tuple[str, int | None], Curve | None] = field(default_factory=dict)
+    points: dict[Hashable, tuple[list[tuple[Signal, float]], float]] = field(default_factory=dict)
     numbers: dict[Hashable, Scalar] = field(default_factory=dict)
     uses: dict[Hashable, set[str]] = field(default_factory=dict)
     cost_lets: dict[str, bool] = field(default_factory=dict)
@@ -101,6 +102,14 @@ class Scope:
             return self.evaluate(expr, env, self)
         finally:
             self.depth -= 1
+
+    def spend(self, work: int, span: Span, size: str = "") -> None:
+        """Count in what takes as long as some evaluations. Raises Mistake or Reported."""
+        if self.work > MOST_WORK:
+            raise Reported
+        self.work += work
+        if self.work > MOST_WORK:
+            raise Mistake(TooLarge(span=span, size=size or f"more than {MOST_WORK:,} parts"))
 
     def _too_large(self, span: Span) -> Mistake | Reported:
         if self.work > MOST_WORK:

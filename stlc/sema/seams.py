@@ -31,6 +31,7 @@ from stlc.places import Polytope
 from stlc.sema.contacts import DEEP, PLUG, TOUCH, Contact, contact, extent
 from stlc.sema.geometry import (
     Point,
+    box,
     contains,
     corners,
     counter_clockwise,
@@ -213,8 +214,7 @@ def _tip(piece: Polytope, middle: Array, length: float) -> Array:
 def square(centre: Array, half: float) -> Polytope:
     """An axis-aligned square."""
     x, y = _point(centre)
-    ring = [(x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half)]
-    return polytope(ring)
+    return box((x - half, x + half), (y - half, y + half))
 
 
 # --- the border and single points ----------------------------------------------------------------

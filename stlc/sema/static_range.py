@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import cos, inf, pi
 from typing import assert_never
@@ -44,26 +44,35 @@ _QUANTITY: dict[Quantity, Interval] = {
 
 @dataclass(slots=True)
 class StaticRange:
-    """Intervals of robustness; `starts`, if given, fixes the states at step 0."""
+    """Intervals of robustness; `starts`, if given, fixes the states at step 0.
+
+    `later` are those that hold at any step, by node: they don't depend on the starts.
+    """
 
     boxes: Mapping[tuple[str, Role], list[Interval]]
     starts: Mapping[str, Array] = field(default_factory=dict)
-    known: dict[tuple[int, bool], Interval] = field(default_factory=dict)
+    later: dict[int, Interval] = field(default_factory=dict)
+    early: dict[int, Interval] = field(default_factory=dict)  # at the start
     kept: list[Node] = field(default_factory=list)
 
     def of(self, node: Node, first: bool) -> Interval:
         """Interval of the formula, judged at step 0 (`first`) or at any step."""
-        known, todo = self.known, [(node, first)]
-        while todo and (id(node), first) not in known:  # deeper than Python's stack, maybe
+        known = self.early if first else self.later
+        found = known.get(id(node))
+        if found is not None:
+            return found
+        todo = [(node, first)]
+        while todo:  # deeper than Python's stack, maybe
             part, start = todo[-1]
-            asked = [(c, s) for c in part.children for s in ((True, False) if start else (False,))]
-            unknown = [(c, s) for c, s in asked if (id(c), s) not in known]
+            unknown = [(c, False) for c in part.children if id(c) not in self.later]
+            if start:
+                unknown += [(c, True) for c in part.children if id(c) not in self.early]
             todo += unknown
             if not unknown:
-                known[id(part), start] = self._compute(part, start)
+                (self.early if start else self.later)[id(part)] = self._compute(part, start)
                 self.kept.append(part)
                 todo.pop()
-        return known[id(node), first]
+        return known[id(node)]
 
     def _compute(self, node: Node, first: bool) -> Interval:
         """An interval that holds the robustness at the start (`first`), or at any step."""
@@ -78,9 +87,9 @@ class StaticRange:
                 low, high = self.of(arg, first)
                 return -high, -low
             case And(args=args):
-                return _least([self.of(a, first) for a in args])
+                return _least(self._all(args, first))
             case Or(args=args):
-                return _most([self.of(a, first) for a in args])
+                return _most(self._all(args, first))
             case Count(args=args) | Network(args=args):
                 return _hull([self.of(a, first) for a in args])
             case Implies(left=left, right=right):
@@ -99,6 +108,11 @@ class StaticRange:
             case Timed(cases=cases):
                 return _hull([self.of(c, first) for c in cases])
         raise TypeError(f"no range for {type(node).__name__}")
+
+    def _all(self, args: Sequence[Node], first: bool) -> list[Interval]:
+        """Intervals of parts that are known."""
+        known = self.early if first else self.later
+        return [known[id(arg)] for arg in args]
 
     def _implies(self, left: Node, right: Node, first: bool) -> Interval:
         low, high = self.of(left, first)
@@ -133,11 +147,11 @@ class StaticRange:
 
 
 def _least(parts: list[Interval]) -> Interval:
-    return min((p[0] for p in parts), default=inf), min((p[1] for p in parts), default=inf)
+    return min([p[0] for p in parts], default=inf), min([p[1] for p in parts], default=inf)
 
 
 def _most(parts: list[Interval]) -> Interval:
-    return max((p[0] for p in parts), default=-inf), max((p[1] for p in parts), default=-inf)
+    return max([p[0] for p in parts], default=-inf), max([p[1] for p in parts], default=-inf)
 
 
 def _hull(parts: list[Interval]) -> Interval:

@@ -81,9 +81,8 @@ def _sweep_linear(node: Linear, part: Part, scope: Scope, span: Span, change: fl
     degree = max((_degree(s, part, scope, span) for s in moving), default=1)
     points = []
     for stage in range(degree + 1):
-        point = _at(node, part, degree, stage, scope, span)
         share = (part[0] + stage / degree) / part[1]
-        points.append(replace(point, constant=point.constant + change * share))
+        points.append(_at(node, part, degree, stage, scope, span, change * share))
     unique = tuple(dict.fromkeys(points))
     return unique[0] if len(unique) == 1 else And(unique, span=node.span)
 
@@ -169,18 +168,25 @@ def _axis(signal: Signal, scope: Scope) -> int | None:
     return None
 
 
-def _at(node: Linear, part: Part, degree: int, stage: int, scope: Scope, span: Span) -> Linear:
-    """The predicate at one Bezier point of the motion within a step, as a predicate of samples."""
+def _at(
+    node: Linear, part: Part, degree: int, stage: int, scope: Scope, span: Span, change: float
+) -> Linear:
+    """The predicate, its constant changed, at one Bezier point of the motion within a step, as a
+    predicate of samples."""
     terms: dict[Signal, float] = {}
     constant = node.constant
     for signal, coefficient in node.terms:
-        form, offset = _bezier(signal, part, degree, stage, scope, span)
+        key = (signal, part, degree, stage)
+        known = scope.points.get(key)
+        if known is None:
+            known = scope.points[key] = _bezier(signal, part, degree, stage, scope, span)
+        form, offset = known
         constant += coefficient * offset
         for moved, factor in form:
             terms[moved] = terms.get(moved, 0.0) + coefficient * factor
     kept = [(s, c) for s, c in terms.items() if c != 0.0]
     kept.sort(key=lambda term: term[0].key)
-    return replace(node, terms=tuple(kept), constant=constant)
+    return replace(node, terms=tuple(kept), constant=constant + change)
 
 
 def _bezier(

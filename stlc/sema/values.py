@@ -216,6 +216,9 @@ class Env:
     positive: bool = True  # polarity, for what is only bounded from one side
     margin: float = 0.0
 
+    def __hash__(self) -> int:
+        return hash((tuple(self.bound.items()), self.positive, self.margin))
+
 
 def describe(value: Value) -> str:
     """What a value is, in a person's words."""

@@ -138,8 +138,8 @@ class _Analysis:
     def _failing(self, node: Node, step: int) -> tuple[Node, int, int] | None:
         """The part of a failing node that already fails, from which step, needed until when."""
         match node:
-            case And(args=args):
-                parts = [(part, step, step) for part in args]
+            case And():
+                return self._failing_conjunct(node, step)
             case Always(arg=arg, start=a, end=b):
                 end = self.mission.horizon if b is None else step + b
                 parts = [(arg, t, t) for t in range(step + a, end + 1)]
@@ -149,6 +149,26 @@ class _Analysis:
                 return None
         possible = self._possible([(part, t) for part, t, _ in parts], self.mission)
         return next((p for p, may in zip(parts, possible, strict=True) if not may), None)
+
+    def _failing_conjunct(self, node: And, step: int) -> tuple[Node, int, int] | None:
+        """The same of a conjunction, down through conjunctions in it, which are judged at once."""
+        within: dict[Node, None] = {}
+        todo: list[Node] = list(node.args)
+        while todo:
+            part = todo.pop()
+            if part not in within:
+                within[part] = None
+                todo += part.args if isinstance(part, And) else ()
+        judged = self._possible([(part, step) for part in within], self.mission)
+        possible = dict(zip(within, judged, strict=True))
+        found: Node | None = None
+        around: Node = node
+        while isinstance(around, And):
+            failing = next((arg for arg in around.args if not possible[arg]), None)
+            if failing is None:
+                break
+            found = around = failing
+        return None if found is None else (found, step, step)
 
     def _earliest(self, node: Node, step: int) -> int | None:
         body = node.arg if isinstance(node, Eventually) else node

@@ -24,6 +24,8 @@ from stlc.syntax.neighbours import (
 from stlc.syntax.split import statement_words
 from stlc.syntax.tokens import NAME, NEWLINE, NUMBER, STRING, SYMBOL, Token
 
+_BEFORE_SHAPE = {"EQ", "PLUS", "COLON", "LPAR", "ST_WORKSPACE"}
+
 
 def classify(tokens: list[Token]) -> list[Token]:
     """Tokens of one statement with the grammar's terminals as kinds.
@@ -144,12 +146,12 @@ class _Context(Neighbours):
         """Words that are keywords in shapes only; False leaves the token to others."""
         text, after = token.text, self._peek()
         opener = {"box": "[", "polygon": "(", "moving": "{"}
-        due = self._last in ("EQ", "PLUS", "COLON", "ST_WORKSPACE") and (
+        due = self._last in _BEFORE_SHAPE - {"LPAR"} and (
             after.text in ("", "+", ";", "}", *AFTER_SHAPES) and text not in ("true", "false")
         )
         tall = after.text == "x" and self._peek(2).text == "[" and text not in ("true", "false")
         line = self._last == "EQ" and text == "line" and self.out[0].kind == "ST_WALL"
-        if line or (not self.operand and after.text == opener.get(text)):
+        if line or (not self.operand and after.text == opener.get(text) and self._of_shape):
             self._emit(text.upper(), token, operand=False)
         elif not self.operand and text == "geojson" and after.kind == STRING:
             self._emit("GEOJSON", token, operand=False)
@@ -221,7 +223,8 @@ class _Context(Neighbours):
         self.key_due = False
         if token.text == "(":
             called = self.operand and self._last == NAME and not apart
-            self.frames.append("(")
+            group = not called and self._last in _BEFORE_SHAPE and self._of_shape
+            self.frames.append("S" if group else "(")
             self._emit("CALL" if called else "LPAR", token, operand=False)
         elif self._last in TEMPORAL:
             self.frames.append("I")

@@ -65,7 +65,8 @@ def plain(symbol: str) -> str:
 class Neighbours:
     """A place in a statement's tokens: what is behind (`out`, `frames`) and what is ahead.
 
-    `frames` are the open brackets, bars included.
+    `frames` are the open brackets, bars included: `S` for one around a shape, `M` for the brace of
+    a moving one, `I` for that of an interval.
     """
 
     __slots__ = ("at", "frames", "key_due", "operand", "out", "shaped", "tokens", "wishing")
@@ -223,6 +224,14 @@ class Neighbours:
         while position < len(self.tokens) and self.tokens[position].kind == NEWLINE:
             position += 1
         return self.tokens[position] if position < len(self.tokens) else NOTHING
+
+    @property
+    def _of_shape(self) -> bool:
+        """Whether a word here is of a shape, not of a point or of the time of a frame."""
+        if not self.shaped or not set(self.frames) <= {"M", "S"}:
+            return False
+        parts = (t.kind for t in reversed(self.out) if t.kind in ("COLON", "SEP", "LBRACE"))
+        return "M" not in self.frames or next(parts) == "COLON"
 
     def _begins_chain(self, first: Token) -> bool:
         """Whether the next line is a property such as `-1 <= vx <= 1` or `|vx| <= 1`."""

@@ -19,9 +19,13 @@ from stlc.sema.geometry import (
     contains,
     disjoint,
     inflated,
+    is_convex,
     polytope,
     simplified,
     within,
+)
+from stlc.sema.geometry import (
+    area as ring_area,
 )
 from stlc.sema.seams import closed, overlapping
 from stlc.sema.tracks import lasting
@@ -209,3 +213,12 @@ def test_rings_that_turn_back_on_themselves_are_no_polygons(ring: Ring) -> None:
         for turned in (ring[k:] + ring[:k], (ring[k:] + ring[:k])[::-1]):
             with pytest.raises(PolygonError):
                 decompose(turned)
+
+
+@pytest.mark.parametrize("far", [0.0, 1e6, 1e8, -1e9])
+def test_a_ring_far_away_has_its_area_and_its_turn(far: float) -> None:
+    """Products of coordinates would have lost it: of 1e16 doubles are 2 apart."""
+    ring = [(far + x, y - far) for x, y in ((0, 0), (0.25, 0), (0.25, 0.25), (0, 0.25))]
+    assert ring_area(ring) == 0.0625
+    assert ring_area(ring[::-1]) == -0.0625
+    assert is_convex(simplified(ring[::-1]))

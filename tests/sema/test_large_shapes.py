@@ -10,7 +10,7 @@ import pytest
 from stlc.api import loads
 from stlc.errors import MissionError
 from stlc.ir.nodes import Always, And
-from stlc.sema import tracks
+from stlc.sema import scope, tracks
 from stlc.sema.decompose import decompose
 from stlc.sema.geometry import polytope
 from stlc.sema.seams import closed
@@ -55,9 +55,9 @@ def test_a_moved_obstacle_is_closed_as_it_would_be_by_itself() -> None:
         ),
         (
             "\n".join(
-                f"obstacle o{k} = box [{k}, {k + 1}] x [1, 2] velocity (0, 0.1)" for k in range(60)
+                f"obstacle o{k} = box [{k}, {k + 1}] x [1, 2] velocity (0, 0.1)" for k in range(80)
             ),
-            "polygons of moving obstacles",
+            "32,080 polygons of moving obstacles",
         ),
         (
             "obstacle o = "
@@ -90,3 +90,30 @@ def test_seams_of_many_requirements_are_those_of_their_windows() -> None:
     assert isinstance(last.formula, And)
     _, *seams = last.formula.args
     assert [(s.start, s.end) for s in seams if isinstance(s, Always)] == [(4, 4), (9, 9)]
+
+
+def moving(count: int, gap: float) -> str:
+    boxes = (f"box [{k}, {k + 1 - gap}] x [1, 2]" for k in range(count))
+    return "".join(f"obstacle o{k} = {box} velocity (0, 0.1)\n" for k, box in enumerate(boxes))
+
+
+def test_twenty_obstacles_may_move_over_hundreds_of_steps() -> None:
+    (requirement,) = loads(HEAD + AGENT + moving(20, 0.5) + KEEP_OUT).requirements
+    (formula,) = requirement.formula.children
+    assert [len(part.children) for part in formula.children] == [401] * 20
+
+
+@pytest.mark.parametrize("when", ["", " swept"])
+def test_what_moving_obstacles_touch_is_told_where_it_is_too_much(
+    when: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Plugs are written out once the horizon is known: they are told of all the same."""
+    monkeypatch.setattr(scope, "MOST_WORK", 22_000 * (2 if when else 1))
+    rule = f"require: always forall o in obstacles: r outside o{when}\n"
+    text = HEAD.replace("400", "40") + AGENT
+    assert loads(text + moving(15, 0.5) + rule).requirements
+    with pytest.raises(MissionError, match="E0224") as caught:
+        loads(text + moving(15, 0) + rule)
+    (found,) = caught.value.diagnostics
+    assert found.span is not None
+    assert found.span.text == f"r outside o{when}"

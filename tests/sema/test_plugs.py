@@ -6,7 +6,7 @@ import pytest
 from stlc.api import loads
 from stlc.places import Sweep
 from stlc.sema import plugs
-from stlc.sema.junctions import plugs_between
+from stlc.sema.junctions import meeting, plugs_between
 from stlc.sema.values import Place
 
 TEXT = """step 1 s
@@ -48,3 +48,22 @@ def test_steps_that_are_passed_over_have_no_plugs(form, one, other, touches, swe
         for mine, his in zip(found, wanted, strict=True):
             assert mine == pytest.approx(his, abs=1e-9)
     assert bool(seen) is touches
+
+
+@pytest.mark.parametrize("swept", [True, False])
+def test_plugs_of_three_go_along(swept):
+    """Three wedges about a point, which all move alike."""
+    wedges = ["(5, 5) (9, 5) (5, 9)", "(5, 5) (5, 9) (1, 1)", "(5, 5) (1, 1) (9, 5)"]
+    obstacles = "".join(
+        f"obstacle o{k} = polygon {ring} velocity (0.1, 0.2)\n" for k, ring in enumerate(wedges)
+    )
+    head = TEXT.split("obstacle")[0].replace("{{", "{").replace("}}", "}")
+    rule = "require: always forall o in obstacles: r outside o swept\n"
+    mission = loads(head.replace("(1, 1)", "(30, 1)") + obstacles + rule)
+    places = [Place(mission.obstacles[f"o{k}"]) for k in range(3)]
+    (track,) = plugs.plugs_of_three(places, swept)
+    assert len(track) == 31
+    for made, sweeps in zip(track, plugs._steps(places, swept), strict=True):
+        wanted = meeting(*(s.pieces for s in sweeps))
+        assert len(made.pieces) == len(wanted) == 1
+        assert made.pieces[0].vertices == pytest.approx(wanted[0].vertices, abs=1e-9)

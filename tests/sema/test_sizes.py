@@ -9,6 +9,7 @@ import pytest
 from stlc.api import load, loads
 from stlc.errors import MissionError
 from stlc.ir.nodes import And, Linear, Node, Not, Role, Signal, walk
+from stlc.milp.compile import compile_mission
 from stlc.sema import scope
 
 AGENT = "horizon 3\nagent r : double_integrator { start (1, 1); control |u| <= 1 }\n"
@@ -104,6 +105,53 @@ def test_formulas_that_use_others_twice_are_compared_once() -> None:
     chain = "".join(f"let f{k} = f{k - 1} and not f{k - 1}\n" for k in range(1, 501))
     text = f"{AGENT}let f0 = r.x >= 0\n{chain}require: f500\n"
     assert loads(text).requirements
+
+
+def test_equal_formulas_are_compared_once_and_for_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every level of two equal chains against its twin: as many comparisons as there are levels."""
+
+    def chain(levels: int) -> list[Node]:
+        nodes: list[Node] = [Linear(((Signal("r", Role.STATE, 0), 1.0),), 0.0, "m")]
+        for _ in range(levels):
+            nodes.append(And((nodes[-1], Not(nodes[-1]))))
+        return nodes
+
+    counted: list[Node] = []
+    own = Node.own.fget
+    monkeypatch.setattr(Node, "own", property(lambda node: counted.append(node) or own(node)))
+    one, other = chain(300), chain(300)
+    assert all(a == b for a, b in zip(reversed(one), reversed(other), strict=True))
+    assert one[300] != other[299]
+    assert len(counted) < 3 * 2 * 300
+    assert chain(300)[-1] == one[-1] == other[-1]
+    assert hash(one[-1]) == hash(other[-1])
+
+
+def test_iff_within_iff_is_worked_out_once_for_each_polarity() -> None:
+    """Both sides stand under both polarities: 2^60 ways down, and two meanings."""
+    deep = "(r.x >= 1) iff (" * 60 + "r.y >= 0" + ")" * 60
+    mission = loads(f"{AGENT}require a: eventually ({deep})\n")
+    assert compile_mission(mission).model.rows > 0
+    lengths = deep.replace("r.x >= 1", "distance(r, (3, 3)) >= 1").replace("60", "9")
+    assert loads(f"{AGENT}require a: eventually ({lengths})\n").requirements
+
+
+def test_counts_may_be_given_to_definitions() -> None:
+    agents = "agent r[1..3] : double_integrator { start (i, 1); control |u| <= 1 }\n"
+    let = "let enough(n) = n >= 2\n"
+    rule = "require a: eventually enough(count(b in agents: b.x >= 3))\n"
+    plain = "require a: eventually count(b in agents: b.x >= 3) >= 2\n"
+    found, want = (loads(f"horizon 3\n{agents}{t}").requirements[0] for t in (let + rule, plain))
+    assert found.formula == want.formula
+
+
+def test_quantifiers_are_refused_before_they_are_written_out() -> None:
+    team = "horizon 3\nagent r[1..1000] : double_integrator { start (i, 1); control |u| <= 1 }\n"
+    each = "require a: always forall b in agents: (sum a in agents: a.x) >= b.x\n"
+    with pytest.raises(MissionError, match="expands to 1e\\+06 instances"):
+        loads(team + each)
+    once = "let all = sum a in agents: a.x\nrequire a: always forall b in agents: all >= b.x - 1\n"
+    assert loads(team + once).requirements
 
 
 def test_long_sums_are_what_short_ones_are() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from support.worlds import agent, mission
 
@@ -11,6 +13,7 @@ from stlc.explain.conflict import Conflict, explain
 from stlc.ir.nodes import Always, And, Eventually, Linear, Node, Role, Signal
 from stlc.ir.requirement import Requirement
 from stlc.mission import Bound, Mission
+from stlc.solve import blame
 from stlc.solve.blame import Blamed, compile_or_blame
 from stlc.source import Source
 
@@ -116,3 +119,25 @@ def test_means_and_centres_are_told_from_true_conflicts_too(bound: Bound) -> Non
     link = "require link: always[0, 5] rssi(b, base) >= "
     assert conflict(f"{link}-65 dBm", bound).by_cells is bound
     assert conflict(f"{link}-60 dBm", bound).by_cells is None
+
+
+def test_conjunctions_within_conjunctions_are_judged_at_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As deep as they are, down to the part that fails."""
+    near = Linear(((Signal("a", Role.STATE, 0), 1.0),), 9.0)
+    node: Node = And((near, Always(FAR, 1, 4)))
+    for _ in range(60):
+        node = And((near, node))
+    asked: list[int] = []
+    possible = blame._Analysis._possible
+
+    def counted(*args: Any, **options: Any) -> list[bool]:
+        asked.append(len(args[1]))
+        return possible(*args, **options)
+
+    monkeypatch.setattr(blame._Analysis, "_possible", counted)
+    with pytest.raises(Blamed) as found:
+        compile_or_blame(world(node))
+    assert found.value.blame.span == FAR.span
+    assert len(asked) < 8

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from stlc.record import changed
@@ -105,6 +107,28 @@ def test_an_operators_word_can_be_a_signal(name: str, template: str) -> None:
     written = statements("require: " + template.replace("{}", name))[0]
     plain = statements("require: " + template.replace("{}", "zz"))[0]
     assert repr(written).count(f"text='{name}'") == repr(plain).count("text='zz'")
+
+
+@pytest.mark.parametrize("name", ["box", "polygon", "moving", "hole", "x", "geojson", "linear"])
+@pytest.mark.parametrize(
+    "template",
+    [
+        "moving { @[1]: @; 2 * @[0] + @(1): box [0, 1] x [0, 1] } linear",
+        "moving { @: polygon (@[1], 2) (3, @(1)) (@, @); |@[2]|: @ }",
+        "polygon (@[1], @(1) + @[2]) (1, 2) hole (@(1, 2), 3)",
+        "(@ + polygon (1, @[1])) + box [@[0], @(3)] x [@, 2]",
+        "box [0, 1] x [0, 1] velocity (@[0], @(1))",
+        "(@) x [@[0], @] + (@ + (polygon (@(1), 2) + box [1, 2] x [1, 2]))",
+    ],
+)
+def test_a_word_of_shapes_can_be_a_name_within_them(name: str, template: str) -> None:
+    """In the time of a frame, a point or a height, with an index or as a call."""
+
+    def told(word: str) -> str:
+        (statement,) = statements("obstacle o = " + template.replace("@", word))
+        return re.sub(r"start=\d+, end=\d+", "", repr(statement))
+
+    assert told(name).replace(f"'{name}'", "'zz'") == told("zz")
 
 
 @pytest.mark.parametrize("keyword", ["signal", "param", "region", "agent", "let", "require"])
