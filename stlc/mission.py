@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from stlc.charges import Charge
 from stlc.ir.requirement import Requirement
 from stlc.places import Obstacle, Polytope, Region, Wall
 from stlc.preferences import Preference
@@ -206,6 +207,7 @@ class TermKind(Enum):
     LINK_COST = "link_cost"
     ROBUSTNESS = "robustness"
     VIOLATION = "violation"
+    TOTAL = "total"
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,6 +219,7 @@ class ObjectiveTerm:
     ROBUSTNESS: of one requirement, or of all together (`requirement` None: their minimum, each
     divided by `scales[unit]`).
     VIOLATION: of the preference that `requirement` names, over its scale.
+    TOTAL: what `charges` add up to; `requirement` is how the file writes it.
     `normalised` divides a cost by its static range. `window` None is all steps.
     """
 
@@ -230,6 +233,7 @@ class ObjectiveTerm:
     normalised: bool = False
     window: tuple[int, int] | None = None
     span: Span | None = None
+    charges: tuple[Charge, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

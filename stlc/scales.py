@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from stlc.channels import ChannelTables
 
 Array = NDArray[np.float64]
+_UNSCALED = (TermKind.ROBUSTNESS, TermKind.VIOLATION, TermKind.TOTAL)
 
 
 def static_range(mission: Mission, term: ObjectiveTerm, tables: ChannelTables) -> float:
@@ -22,7 +23,7 @@ def static_range(mission: Mission, term: ObjectiveTerm, tables: ChannelTables) -
     1 for a term that isn't normalised, or whose range is empty. Raises StlcError when an agent's
     weighted state or input has no finite bound.
     """
-    if not term.normalised or term.kind in (TermKind.ROBUSTNESS, TermKind.VIOLATION):
+    if not term.normalised or term.kind in _UNSCALED:
         return 1.0
     effort = term.kind is TermKind.EFFORT
     width = _effort(mission, term) if effort else _link_cost(mission, term, tables)

@@ -43,7 +43,7 @@ MAY: Mapping[str, set[str]] = {
     "grids": {"mission", "radio"},
     "scales": {"mission", "channels"},
     "bezier": {"mission"},
-    "sema": {"grids", "syntax", "ir", "radio", "mission", "scales", "bezier"},
+    "sema": {"grids", "syntax", "ir", "radio", "mission", "scales", "bezier", "recording"},
     "analysis": {"ir", "mission", "channels"},
     "passes": {"ir", "mission", "analysis"},
     "milp": {
@@ -122,6 +122,7 @@ def _room(module: str) -> str:
     parts = {
         "certificate": "plan", "plan_json": "plan", "plan_reader": "plan",
         "places": "mission", "preferences": "mission",
+        "charges": "mission",
     }  # fmt: skip
     return parts.get(room, room)  # rooms in several files
 

@@ -4,6 +4,7 @@
                 a column s >= 0 with s >= y and s >= -y; y or -y itself where the sign is known
     link cost   see `stlc.milp.tables`
     robustness  the column of its goal
+    total       see `stlc.milp.totals`
 
 `normalised` divides a cost by the width of its static range (`stlc.scales`).
 """
@@ -21,6 +22,7 @@ from stlc.arrays import Floats, Ints
 from stlc.errors import UsageError
 from stlc.milp.context import Context
 from stlc.milp.model import Origin
+from stlc.milp.totals import add_total
 from stlc.mission import Agent, ObjectiveTerm, TermKind
 from stlc.scales import static_range
 
@@ -43,6 +45,8 @@ def add_objective(ctx: Context, tables: LinkTables, encoding: str) -> tuple[str,
         match term.kind:
             case TermKind.EFFORT | TermKind.LINK_COST:
                 notes += _add_cost(ctx, term, tables, encoding)
+            case TermKind.TOTAL:
+                add_total(ctx, term)
             case TermKind.ROBUSTNESS | TermKind.VIOLATION:
                 continue  # its column carries the weight; violations were lowered
     return tuple(notes)
@@ -68,6 +72,8 @@ def add_caps(
             match term.kind:
                 case TermKind.EFFORT | TermKind.LINK_COST:
                     notes += _add_cost(ctx, term, tables, encoding)
+                case TermKind.TOTAL:
+                    add_total(ctx, term)
                 case TermKind.ROBUSTNESS:
                     goal = next(g for g in rho if g.is_of(term))
                     ctx.builder.add_cost([rho[goal]], [term.weight])

@@ -15,8 +15,9 @@ import numpy as np
 
 from stlc.arrays import Floats
 from stlc.channels import ChannelTables
+from stlc.charges import Charge, Form
 from stlc.ir.nodes import And, Const, Linear, Node, Or, Role, Signal
-from stlc.mission import Mission, ObjectiveTerm
+from stlc.mission import Mission, ObjectiveTerm, TermKind
 from stlc.passes.horizon import last_steps
 from stlc.places import Obstacle, Outline, Track
 from stlc.plan import Plan, make_plan
@@ -167,6 +168,10 @@ def _terms(mission: Mission, now: int) -> Iterator[ObjectiveTerm]:
     """Costs that are still to come, normalised by the ranges of the whole mission."""
     tables = ChannelTables(mission)
     for term in mission.objective:
+        if term.kind is TermKind.TOTAL:
+            ahead = (c for c in term.charges if c.step >= now)
+            yield replace(term, charges=tuple(_recharged(c, now) for c in ahead))
+            continue
         scale = static_range(mission, term, tables)
         weighed = replace(term, weight=term.weight / scale, normalised=False)
         if term.window is None:
@@ -174,6 +179,17 @@ def _terms(mission: Mission, now: int) -> Iterator[ObjectiveTerm]:
         elif term.window[1] >= now:
             first, last = term.window
             yield replace(weighed, window=(max(first - now, 0), last - now))
+
+
+def _recharged(charge: Charge, now: int) -> Charge:
+    """What a step costs, its signals counted from now on."""
+    peaks = tuple((f, tuple(_moved_form(x, now) for x in forms)) for f, forms in charge.peaks)
+    return Charge(charge.step - now, _moved_form(charge.form, now), peaks)
+
+
+def _moved_form(form: Form, now: int) -> Form:
+    terms = tuple((s._replace(shift=s.shift - now), factor) for s, factor in form.terms)
+    return replace(form, terms=terms)
 
 
 def _later(obstacle: Obstacle, now: int, step: float) -> Obstacle:

@@ -30,6 +30,7 @@ from stlc.sema.overrides import overrides
 from stlc.sema.report import Mistake, Report, with_note
 from stlc.sema.scope import Scope
 from stlc.sema.shapes import Shaper
+from stlc.sema.signals import check_known, read_signals
 from stlc.sema.statements import of, single
 from stlc.sema.time_errors import BadStep
 from stlc.sema.unit_errors import UnknownUnit
@@ -88,8 +89,7 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
     from the formulas.
     """
     report, shaper = scope.report, Shaper(scope, files)
-    _step(single(statements, ast.Step, report), scope)
-    _each(of(statements, ast.Param), lambda s: scope.value(s.value), report)
+    _numbers(statements, scope, files)
     space = single(statements, ast.Workspace, report)
     declare_workspace(space, file.source.text, shaper)
     _places(statements, shaper)
@@ -100,14 +100,15 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
     radios = _first(statements, ast.ChannelDecl, scope)
     _each(radios, lambda s: channels.declare(s, scope, files), report)
     _unused_lets(of(statements, ast.Let), scope)
+    given = scope.given_horizon = _horizon(single(statements, ast.Horizon, report), scope)
     requirements = demands.required(statements, scope)
     wishes = demands.preferred(statements, scope)
     terms = _objective(of(statements, ast.Objective), scope)
-    given = _horizon(single(statements, ast.Horizon, report), scope)
     moves = None if report.errors else next((a.span for a in scope.agents.values()), None)
     formulas = demands.together(requirements, [*wishes, *durations(requirements, scope)])
     steps = horizon.derive(formulas, given, objective.last_step(terms), moves, report)
     requirements, wishes = demands.carried_on(statements, requirements, wishes, steps, shaper)
+    check_known(steps, scope, report)
     swept = holds_between(space, formulas, scope)
     wishes = demands.finished(wishes, terms, requirements, steps, scope)
     mission = Mission(
@@ -115,13 +116,22 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
         agents=scope.agents, stations=scope.stations, regions=scope.regions,
         obstacles=scope.obstacles, channels=scope.channels, requirements=tuple(requirements),
         objective=(
-            *objective.finish(terms, tuple(requirements), steps, report),
+            *objective.finish(terms, tuple(requirements), steps, scope),
             *preferences.terms(wishes, None),
         ),
-        sense=objective.sense(of(statements, ast.Objective)), signals=tuple(scope.signals),
+        sense=objective.sense(of(statements, ast.Objective)),
+        signals=tuple(name for name in scope.signals if name not in scope.series),
         workspace_swept=swept, preferences=tuple(wishes), walls=scope.walls,
     )  # fmt: skip
     return checks.checked(mission, scope)
+
+
+def _numbers(statements: list[ast.Statement], scope: Scope, files: Files) -> None:
+    """The step, signals that are known beforehand, and parameters."""
+    _step(single(statements, ast.Step, scope.report), scope)
+    known = [s for s in of(statements, ast.SignalDecl) if s.file is not None]
+    _each(known, lambda s: read_signals(s, scope, files), scope.report)
+    _each(of(statements, ast.Param), lambda s: scope.value(s.value), scope.report)
 
 
 def _places(statements: list[ast.Statement], shaper: Shaper) -> None:
@@ -228,7 +238,7 @@ def _unused_lets(lets: list[ast.Let], scope: Scope) -> None:
         if not is_cost(let.body, Env({}), scope):
             with scope.report.guard():
                 used = set(scope.used)
-                scope.value(let.body)
+                scope.value(let.body, Env({}, clock=0))  # known signals have some value
                 scope.used = used
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 from stlc.diagnostics import Diagnostic
 from stlc.mission import Array
@@ -60,7 +61,15 @@ def call(expr: ast.Call, env: Env, scope: Scope) -> Value:
     builtin = BUILTINS.get(name)
     if builtin is None:
         raise Mistake(_no_function(expr, scope))
-    return builtin(expr, tuple(scope.value(a, env) for a in expr.args), scope)
+    return builtin(expr, tuple(scope.value(a, _when(expr, k, env, scope)) for k, a in
+                               enumerate(expr.args)), scope)  # fmt: skip
+
+
+def _when(expr: ast.Call, place: int, env: Env, scope: Scope) -> Env:
+    """The step at which an argument has its value: known signals are ahead of their time too."""
+    if place or env.clock is None or expr.function.text != "ahead" or len(expr.args) != 2:
+        return env
+    return replace(env, clock=env.clock + clock.steps(expr.args[1], scope, env))
 
 
 def _no_function(expr: ast.Call, scope: Scope) -> Diagnostic:
@@ -86,18 +95,18 @@ def expand(let: ast.Let, expr: ast.Call, env: Env, scope: Scope) -> Value:
     if len(expr.args) != len(let.parameters):
         raise Mistake(_let_arity(let, expr))
     values = tuple(scope.value(a, env) for a in expr.args)
-    key = ("call", let.name.text, values, env.positive, env.margin)
+    key = ("call", let.name.text, values, env.positive, env.margin, env.clock)
     known = scope.known(key)
     if known is not None:
         return known if isinstance(known, Scalar) else Truth(known)
     bound = {p.text: v for p, v in zip(let.parameters, values, strict=True)}
-    inner = Env(bound, env.positive, env.margin)
+    inner = replace(env, bound=bound)
     try:
         with scope.expanding(let.name.text, expr.span), scope.expanded(key):
             value = scope.value(let.body, inner)
     except Mistake as mistake:
         note = with_note(mistake.diagnostic, f"in this use of `{let.name.text}`", expr.span)
-        raise Mistake(note) from None
+        raise mistake.noted(note) from None
     return scope.keep(key, value)
 
 

@@ -69,6 +69,11 @@ def interval(node: ast.Interval | None, scope: Scope, env: Env = EMPTY) -> tuple
     return start, end
 
 
+def is_last(node: ast.Interval | None, env: Env, scope: Scope) -> bool:
+    """Whether an interval is `[end]`: the last step at which its body can be judged."""
+    return node is not None and node.start is node.end and _is_end(node.start, env, scope)
+
+
 def _is_end(expr: ast.Expr, env: Env, scope: Scope) -> bool:
     names = ("inf", "end", "infinity")
     return (

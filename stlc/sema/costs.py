@@ -17,11 +17,12 @@ from stlc.sema.objective_errors import BadObjective
 from stlc.sema.report import Mistake, Reported, nearest, suggested_fix, suggestion
 from stlc.sema.scope import Scope, as_scalar
 from stlc.sema.time_errors import ReversedInterval
+from stlc.sema.totals import total
 from stlc.sema.values import ChannelName, Env, Items, Radio, Value, describe
 from stlc.source import Span
 from stlc.syntax import ast
 
-COSTS = ("effort", "link_cost", "robustness", "time", "normalised", "normalized")
+COSTS = ("effort", "link_cost", "robustness", "time", "total", "normalised", "normalized")
 
 Pair = tuple[str, str]
 
@@ -76,12 +77,15 @@ def cost_term(expr: ast.Expr, weight: float, env: Env, scope: Scope) -> Objectiv
             return _robustness(expr, args, weight, env, scope)
         case "time":
             return duration(expr, args, weight, env, scope)
+        case "total":
+            return total(expr, args, weight, env, scope)
         case "normalised" | "normalized" if len(args) == 1:
             inner = cost_term(args[0], weight, env, scope)
             if inner.kind is TermKind.ROBUSTNESS:
                 raise Mistake(BadObjective(span=expr.span, problem="robustness isn't a cost"))
-            if inner.kind is TermKind.VIOLATION:
-                raise Mistake(BadObjective(span=expr.span, problem="a time has no static range"))
+            if inner.kind in (TermKind.VIOLATION, TermKind.TOTAL):
+                what = "time" if inner.kind is TermKind.VIOLATION else "total"
+                raise Mistake(BadObjective(span=expr.span, problem=f"a {what} has no static range"))
             _check_range(inner, expr.span, scope)
             return replace(inner, normalised=True, span=expr.span)
     problem = "a constant adds nothing" if isinstance(expr, ast.Number) else "this is not a cost"

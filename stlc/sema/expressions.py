@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import groupby
 
 from stlc.ir.nodes import Const, Role, Signal
@@ -13,6 +14,7 @@ from stlc.sema.name_errors import WrongKind
 from stlc.sema.quantifiers import domain_items, instances
 from stlc.sema.report import Mistake, nearest, with_note
 from stlc.sema.scope import Scope, wrong_unit
+from stlc.sema.signals import known_signal
 from stlc.sema.unit_errors import UnknownUnit
 from stlc.sema.values import Env, Function, Items, Scalar, Tally, Text, Truth, Value
 from stlc.syntax import ast
@@ -89,6 +91,8 @@ def name(expr: ast.Name, env: Env, scope: Scope) -> Value:
             return plain_let(found, expr, env, scope)
         case ast.Let():
             return Function(found)
+        case ast.SignalDecl(file=ast.String()):
+            return known_signal(expr, env, scope)
         case ast.SignalDecl():
             return Scalar(
                 terms=((Signal(expr.text, Role.FREE, 0), 1.0),),
@@ -122,17 +126,17 @@ def overridden(value: Scalar, override: Scalar, name: str, found: ast.Param) -> 
 
 def plain_let(found: ast.Let, expr: ast.Name, env: Env, scope: Scope) -> Value:
     """A `let` without parameters; its value is kept for each polarity."""
-    key = ("let", expr.text, env.positive, env.margin)
+    key = ("let", expr.text, env.positive, env.margin, env.clock)
     known = scope.known(key)
     if known is not None:
         return known if isinstance(known, Scalar) else Truth(known)
-    inner = Env({}, env.positive, env.margin)
+    inner = replace(env, bound={})
     try:
         with scope.expanding(expr.text, expr.span), scope.expanded(key):
             value = scope.value(found.body, inner)
     except Mistake as mistake:
         note = with_note(mistake.diagnostic, f"in this use of `{expr.text}`", expr.span)
-        raise Mistake(note) from None
+        raise mistake.noted(note) from None
     return scope.keep(key, value)
 
 

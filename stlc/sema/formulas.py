@@ -29,6 +29,7 @@ from stlc.sema.quantifiers import instances
 from stlc.sema.report import Mistake, Reported
 from stlc.sema.scalars import absolute, add
 from stlc.sema.scope import Scope, as_scalar
+from stlc.sema.signals import ByTheClock, timed
 from stlc.sema.space_errors import NotInSpace
 from stlc.sema.unit_errors import LevelAgainstRatio
 from stlc.sema.values import Chance, Env, Items, Place, Radio, Scalar, Separation, Tally, Value
@@ -137,6 +138,9 @@ def temporal(expr: ast.Temporal, env: Env, scope: Scope) -> Node:
         start = clock.interval(expr.interval, scope, env)[0] if expr.interval else 1
         return Always(scope.formula(expr.arg, env), start, start, span=expr.span)
     kind = Always if expr.operator == "always" else Eventually
+    if clock.is_last(expr.interval, env, scope):
+        body = Always(scope.formula(expr.arg, env), 0, None, span=expr.span)
+        return Eventually(body, 0, None, span=expr.span)
     try:
         start, end = clock.interval(expr.interval, scope, env)
     except Mistake as mistake:
@@ -159,7 +163,15 @@ def quantifier(expr: ast.Quantifier, env: Env, scope: Scope) -> Node:
 
 
 def comparison(expr: ast.Comparison, env: Env, scope: Scope) -> Node:
-    """One comparison, or a chain of which all must hold."""
+    """One comparison, or a chain of which all must hold; known signals change it from step to
+    step."""
+    try:
+        return _comparison(expr, env, scope)
+    except ByTheClock:
+        return timed(expr.span, env, scope, lambda at: _comparison(expr, at, scope))
+
+
+def _comparison(expr: ast.Comparison, env: Env, scope: Scope) -> Node:
     values = [scope.value(e, env) for e in expr.operands]
     nodes = []
     for k, operator in enumerate(expr.operators):

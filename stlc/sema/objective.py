@@ -24,6 +24,7 @@ from stlc.sema.quantifiers import assignments, bound_with
 from stlc.sema.report import Mistake, Report
 from stlc.sema.robust_units import units_in
 from stlc.sema.scope import EMPTY, Scope
+from stlc.sema.totals import total_over
 from stlc.sema.values import Env
 from stlc.sense import Sense
 from stlc.syntax import ast
@@ -113,7 +114,7 @@ def _checked(term: ObjectiveTerm, expr: ast.Expr) -> ObjectiveTerm:
     if term.kind is TermKind.ROBUSTNESS and term.weight > 0:
         hint = "write `maximize robustness`, or `- 0.5 * robustness` in a `minimize`"
         raise Mistake(_wrong_way(expr, what, "minimised", term.weight, hint))
-    if term.kind is not TermKind.ROBUSTNESS and term.weight < 0:
+    if term.kind not in (TermKind.ROBUSTNESS, TermKind.TOTAL) and term.weight < 0:
         hint = "costs have positive weights in `minimize`, negative ones in `maximize`"
         raise Mistake(_wrong_way(expr, what, "maximised", -term.weight, hint))
     return term
@@ -129,16 +130,21 @@ def finish(
     terms: list[ObjectiveTerm],
     requirements: tuple[Requirement, ...],
     horizon: int,
-    report: Report,
+    scope: Scope,
 ) -> tuple[ObjectiveTerm, ...]:
-    """Check what depends on the requirements and the horizon."""
+    """Check what depends on the requirements and the horizon; totals are written out."""
+    report, finished = scope.report, []
     for term in terms:
         if term.window is not None and term.window[1] > horizon:
             start, end = term.window
             report.add(NoTime(span=term.span, start=start, end=end, horizon=horizon))
         if term.kind is TermKind.ROBUSTNESS:
             _check_units(term, requirements, report)
-    return tuple(terms)
+        if term.kind is TermKind.TOTAL:
+            with report.guard():
+                term = total_over(term, horizon, scope)
+        finished.append(term)
+    return tuple(finished)
 
 
 def _check_units(

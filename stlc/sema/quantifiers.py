@@ -65,7 +65,7 @@ def _check_size(scope: Scope) -> None:
 
 def bound_with(env: Env, bound: Mapping[str, Value]) -> Env:
     """The environment with more names bound."""
-    return Env({**env.bound, **bound}, env.positive, env.margin)
+    return replace(env, bound={**env.bound, **bound})
 
 
 def domain_items(expr: ast.Expr, env: Env, scope: Scope) -> Items:

@@ -19,6 +19,10 @@ class Mistake(Exception):
         self.diagnostic = diagnostic
         super().__init__(str(diagnostic))
 
+    def noted(self, diagnostic: Diagnostic) -> Mistake:
+        """The same kind of mistake, with more to say."""
+        return type(self)(diagnostic)
+
 
 class Reported(Exception):
     """Ends an expression whose mistakes are reported already."""

@@ -6,11 +6,12 @@ from collections.abc import Callable, Hashable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from math import prod
+from typing import TYPE_CHECKING
 
 from stlc.bezier import Curve
 from stlc.ir.claims import Membership
 from stlc.ir.nodes import Node, Signal
-from stlc.mission import Agent, Channel, Dynamics, Station
+from stlc.mission import Agent, Array, Channel, Dynamics, Station
 from stlc.places import Obstacle, Polytope, Region, Wall
 from stlc.sema.name_errors import RecursiveLet, TooDeep, TooLarge, UnknownName, WrongKind
 from stlc.sema.report import Mistake, Report, Reported, suggested_fix, suggestion
@@ -35,6 +36,9 @@ from stlc.sema.values import (
 )
 from stlc.source import Span
 from stlc.syntax import ast
+
+if TYPE_CHECKING:
+    from stlc.sema.signals import Need
 
 MOST_LEVELS = 110
 
@@ -87,6 +91,10 @@ class Scope:
     requirements: list[str] = field(default_factory=list)
     times: dict[str, tuple[ast.Expr, Env]] = field(default_factory=dict)  # that cost
     signals: dict[str, Unit | None] = field(default_factory=dict)
+    series: dict[str, Array] = field(default_factory=dict)  # values of signals known beforehand
+    needs: list[Need] = field(default_factory=list)  # how far comparisons with them are known
+    given_horizon: int | None = None
+    totals: dict[str, tuple[ast.Expr, Env]] = field(default_factory=dict)  # that cost
 
     # --- evaluation, with the kind that is needed ---------------------------------------------
 

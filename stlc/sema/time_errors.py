@@ -55,6 +55,21 @@ class PastHorizon(Diagnostic):
     horizon: int
 
 
+class SignalEnds(Diagnostic):
+    """A signal that is known beforehand ends before the mission does.
+
+    Its file has a row for each step, from 0 to the horizon at least, and further where `ahead`
+    looks further.
+    """
+
+    code: ClassVar[str] = "E0513"
+    title: ClassVar[str] = "the signal is known up to step {last}; step {needed} is needed"
+    label: ClassVar[str] = "asks for more"
+    help: ClassVar[str] = "add rows to its file, or give a shorter `horizon`"
+    last: int
+    needed: int
+
+
 class NoHorizon(Diagnostic):
     """Nothing says how long the mission is.
 

@@ -215,6 +215,7 @@ class Env:
     bound: Mapping[str, Value]
     positive: bool = True  # polarity, for what is only bounded from one side
     margin: float = 0.0
+    clock: int | None = None  # the step at which known signals have their values
 
     def __hash__(self) -> int:
         return hash((tuple(self.bound.items()), self.positive, self.margin))

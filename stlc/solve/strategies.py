@@ -26,6 +26,7 @@ from stlc.backends.base import Backend, Solution, SolveOptions, Status
 from stlc.errors import UsageError, hinted
 from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
+from stlc.mission import Mission, TermKind
 from stlc.solve import applies, tuning
 from stlc.solve.strategy import Strategy, Work
 
@@ -43,7 +44,7 @@ def run_strategy(
 def run_strategies(strategies: Sequence[Strategy], work: Work) -> Solution:
     """Run those that apply, in order, until one answers or the time is over."""
     for strategy in strategies:
-        if work.compiled.mission.caps and not strategy.heeds_caps:
+        if not strategy.heeds_caps and _asks_for_plain(work.compiled.mission):
             continue
         if not strategy.applies(work):
             continue
@@ -54,6 +55,11 @@ def run_strategies(strategies: Sequence[Strategy], work: Work) -> Solution:
         if work.proven() or (work.x is not None and work.deadline.over()):
             break
     return work.answer()
+
+
+def _asks_for_plain(mission: Mission) -> bool:
+    """Whether it has costs that searches don't know of: several agents' together, or totals."""
+    return bool(mission.caps) or any(t.kind is TermKind.TOTAL for t in mission.objective)
 
 
 def strategies_named(name: str) -> tuple[Strategy, ...]:

@@ -152,10 +152,12 @@ class Param(Statement):
 
 
 class SignalDecl(Statement):
-    """`signal speed [m/s]`, for formulas that are monitored on recorded data."""
+    """`signal speed [m/s]`, for formulas that are monitored on recorded data; with
+    `from "speed.csv"` it is known beforehand."""
 
     names: tuple[Ident, ...]
     unit: str | None = None
+    file: String | None = None
 
 
 class Step(Statement):

@@ -121,7 +121,8 @@ class StatementBuilder(ExprBuilder):
 
     def signal(self, start: int, end: int, c: Children) -> ast.Statement:
         unit = c[1].text.replace(" ", "") if c[1] is not None else None
-        return ast.SignalDecl(self.span(start, end), c[0], unit)
+        file = self.text(c[2]) if c[2] is not None else None
+        return ast.SignalDecl(self.span(start, end), c[0], unit, file)
 
     def step(self, start: int, end: int, c: Children) -> ast.Statement:
         return ast.Step(self.span(start, end), c[0])

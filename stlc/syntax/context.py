@@ -89,19 +89,6 @@ class _Context(Neighbours):
         if self._here().text == "margin" and self._peek().text not in (":", "=="):
             self._take("MARGIN", operand=False)
 
-    def _signal(self) -> None:
-        """Names and commas, then the unit between square brackets as one token."""
-        while self._here().kind in (NAME, SYMBOL) and self._here().text != "[":
-            if self._here().kind == NAME:
-                self._plain_name()
-            else:
-                self._take(symbol_terminals().get(self._here().text, "BAD"), operand=False)
-        rest = self.tokens[self.at :]
-        if len(rest) > 2 and rest[-1].text == "]":
-            text = "".join(token.text for token in rest[1:-1])
-            self.out.append(Token("UNIT", text, rest[0].start, rest[-1].end))
-            self.at = len(self.tokens)
-
     # --- words -------------------------------------------------------------------------------
 
     def _word(self, token: Token) -> None:

@@ -7,7 +7,7 @@ from itertools import dropwhile, takewhile
 from typing import Final
 
 from stlc.grammar import tables
-from stlc.syntax.tokens import NAME, NEWLINE, SYMBOL, Token
+from stlc.syntax.tokens import NAME, NEWLINE, STRING, SYMBOL, Token
 
 UNARY: Final = frozenset({"ALWAYS", "EVENTUALLY", "NEXT", "NOT"})
 TEMPORAL: Final = frozenset({"ALWAYS", "EVENTUALLY", "NEXT", "UNTIL", "RELEASE"})
@@ -86,6 +86,24 @@ class Neighbours:
             token = Token(kind, token.text, token.start, token.end)
         self.out.append(token)
         self.operand = operand
+
+    def _signal(self) -> None:
+        """Names and commas, the unit between square brackets as one token, the file."""
+        while self._here().kind in (NAME, SYMBOL) and self._here().text != "[":
+            if self._here().text == "from" and self._peek().kind == STRING:
+                break
+            if self._here().kind == NAME:
+                self._plain_name()
+            else:
+                self._take(symbol_terminals().get(self._here().text, "BAD"), operand=False)
+        rest = self.tokens[self.at :]
+        size = next((k for k, token in enumerate(rest) if token.text == "]"), 0)
+        if size > 1 and rest[0].text == "[":
+            text = "".join(token.text for token in rest[1:size])
+            self.out.append(Token("UNIT", text, rest[0].start, rest[size].end))
+            self.at += size + 1
+        if self._here().text == "from" and self._peek().kind == STRING:
+            self._take("FROM", operand=False)
 
     def _here(self) -> Token:
         return self.tokens[self.at] if self.at < len(self.tokens) else NOTHING

@@ -141,7 +141,10 @@ def _head(statement: ast.Statement) -> str:
             return f"param {statement.name.text} = {show(statement.value)}"
         case ast.SignalDecl():
             names = ", ".join(name.text for name in statement.names)
-            return f"signal {names}" + (f" [{statement.unit}]" if statement.unit else "")
+            unit = f" [{statement.unit}]" if statement.unit else ""
+            return f"signal {names}{unit}" + (
+                f" from {quoted(statement.file)}" if statement.file else ""
+            )
         case ast.Step():
             return f"step {show(statement.duration)}"
         case ast.Horizon():

@@ -7,6 +7,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from stlc.charges import Form
+from stlc.ir.signals import Role
 from stlc.mission import Cap, ObjectiveTerm, TermKind
 from stlc.plan import SolveInfo
 from stlc.scales import static_range, steps_of
@@ -53,6 +55,8 @@ def _term(
             low, high = _link_cost(subject, term, cells)
         case TermKind.ROBUSTNESS:
             low, high = (_robustness(subject, term, trace, faces=f) for f in (True, False))
+        case TermKind.TOTAL:
+            low = high = _total(subject, term)
         case TermKind.VIOLATION:
             low, high = _violation(subject, term, trace)
     scale = static_range(subject.mission, term, subject.tables)
@@ -69,7 +73,10 @@ def _name(term: ObjectiveTerm) -> str:
         if term.requirement
         else "robustness",
         TermKind.VIOLATION: _violated(term),
+        TermKind.TOTAL: term.requirement or "total",
     }[term.kind]
+    if term.kind is TermKind.TOTAL:
+        return inner
     window = f"[{term.window[0]}, {term.window[1]}]" if term.window else ""
     return f"normalised({inner}{window})" if term.normalised else inner + window
 
@@ -89,6 +96,29 @@ def _effort(subject: Subject, term: ObjectiveTerm) -> float:
         parts.append(float((np.abs(run.states[states]) @ agent.effort_state).sum()))
         parts.append(float((np.abs(run.inputs[inputs]) @ agent.effort_input).sum()))
     return math.fsum(parts)
+
+
+def _total(subject: Subject, term: ObjectiveTerm) -> float:
+    """What the charges of a total add up to on the run."""
+    runs = subject.plan.runs
+
+    def value(form: Form) -> float:
+        """A form on the run."""
+        parts = [form.constant]
+        for signal, factor in form.terms:
+            run = runs[signal.owner]
+            table = run.states if signal.role is Role.STATE else run.inputs
+            parts.append(factor * float(table[signal.shift, signal.index]))
+        return math.fsum(parts)
+
+    return math.fsum(
+        part
+        for charge in term.charges
+        for part in (
+            value(charge.form),
+            *(factor * max(map(value, forms)) for factor, forms in charge.peaks),
+        )
+    )
 
 
 def _link_cost(subject: Subject, term: ObjectiveTerm, cells: CellModel) -> tuple[float, float]:

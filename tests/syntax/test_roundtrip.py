@@ -181,6 +181,8 @@ class Trees:
             lambda: f"require:  {show(self.expr())}",
             lambda: f"require G margin 2 :\n {show(self.expr())}",
             lambda: f"obstacle o ={show_shape(self.shape())} inflate  {show(self.expr())}",
+            lambda: 'signal a,b  [m/s]  from  "d.csv"',
+            lambda: 'signal from, b from "d.csv"',
             lambda: f"wall w= {show_shape(self.shape())}  loss {show(self.expr())}",
             lambda: "wall w = line " + " ".join(f"({k}, {2 * k})" for k in range(3)),
             lambda: "agent a:c {" + ";\n ".join(rows) + "}",
