@@ -30,7 +30,7 @@ from stlc.sema.overrides import overrides
 from stlc.sema.report import Mistake, Report, with_note
 from stlc.sema.scope import Scope
 from stlc.sema.shapes import Shaper
-from stlc.sema.signals import check_known, read_signals
+from stlc.sema.signals import ByTheClock, check_known, read_signals
 from stlc.sema.statements import of, single
 from stlc.sema.time_errors import BadStep
 from stlc.sema.unit_errors import UnknownUnit
@@ -238,8 +238,16 @@ def _unused_lets(lets: list[ast.Let], scope: Scope) -> None:
         if not is_cost(let.body, Env({}), scope):
             with scope.report.guard():
                 used = set(scope.used)
-                scope.value(let.body, Env({}, clock=0))  # known signals have some value
+                _try(let.body, scope)
                 scope.used = used
+
+
+def _try(body: ast.Expr, scope: Scope) -> None:
+    """Evaluate for its mistakes; known signals have some value."""
+    try:
+        scope.value(body)
+    except ByTheClock:
+        scope.value(body, Env({}, clock=0))
 
 
 # --- objective ---------------------------------------------------------------------------------
