@@ -35,6 +35,17 @@ def proof(mission: Mission) -> float:
     raise AssertionError("the planted mission has a plan")
 
 
+def _summary(ratios: list[float], wrong: int, changes: int, free: int, left: int) -> str:
+    """The last two lines."""
+    return (
+        f"{len(ratios)} conflicts, {wrong} with something wrong, {changes} changes; "
+        f"explaining takes {median(ratios):.2f} times one proof in the median, "
+        f"{max(ratios):.2f} at most\n"
+        f"of {free + left} members, removing one alone gives the mission a plan {free} times, and "
+        f"leaves another conflict {left} times"
+    )
+
+
 def main() -> int:
     """Run all, print a line for each."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -66,15 +77,7 @@ def main() -> int:
         )
         for problem in problems:
             print(f"  WRONG: {problem}", flush=True)
-    print(
-        f"{len(ratios)} conflicts, {wrong} with something wrong, {changes} changes; "
-        f"explaining takes {median(ratios):.2f} times one proof in the median, "
-        f"{max(ratios):.2f} at most"
-    )
-    print(
-        f"of {free + left} members, removing one alone gives the mission a plan {free} times, and "
-        f"leaves another conflict {left} times"
-    )
+    print(_summary(ratios, wrong, changes, free, left))
     return int(wrong > 0 or median(ratios) > DEAR)
 
 

@@ -8,8 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from stlc.bench.job import Job
 from stlc.bench.record import Record
 from stlc.bench.run import run_job
-from stlc.errors import SolverError
-from stlc.solve.racing.cluster import connect, distributed, stop_event
+from stlc.solve.racing.cluster import Future, connect, distributed, result_of, stop_event
 
 _POLL = 0.2  # s
 _DEATHS = 5  # workers that may die under one run before it counts as failed
@@ -47,7 +46,7 @@ def run_remotely(job: Job, word: str) -> Record | None:
 
 
 def _gather(
-    open_: set[object], futures: dict[object, Job], should_stop: Callable[[], bool]
+    open_: set[Future], futures: dict[Future, Job], should_stop: Callable[[], bool]
 ) -> Iterator[Record]:
     """Records as their jobs end; a stop leaves the open ones running, for the caller to cancel."""
     while open_ and not should_stop():
@@ -61,11 +60,7 @@ def _gather(
         open_ = open_ - done
 
 
-def _result(future: object, job: Job) -> Record | None:
-    status = getattr(future, "status", "lost")
-    if status == "finished":
-        result = future.result()  # type: ignore[attr-defined]
-        assert result is None or isinstance(result, Record)
-        return result
-    cause = future.exception() if status == "error" else status  # type: ignore[attr-defined]
-    raise SolverError(f"the cluster gave up on {job.title}: {cause}")
+def _result(future: Future, job: Job) -> Record | None:
+    result = result_of(future, job.title)
+    assert result is None or isinstance(result, Record)
+    return result

@@ -30,7 +30,7 @@ from stlc.milp.formulas.link_predicates import LinkEncoder
 from stlc.milp.formulas.selectors import selector_named
 from stlc.milp.layout import Layout
 from stlc.milp.model import Model, Origin
-from stlc.milp.preferences import lowered
+from stlc.milp.preferences import Lowered, lowered
 from stlc.milp.stage_rows import add_cuts, add_hulls
 from stlc.milp.unsolvable import check_controlled, check_magnitudes
 from stlc.mission import Mission
@@ -127,14 +127,12 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     ranges: Mapping[str, Ranges] = reach(mission)
     check_tables(mission, ranges, options.max_size)
     plain = lowered(mission, ranges, tables)
-    mission, ranges = plain.mission, plain.ranges
-    program = Program(mission.requirements, mission, ranges, tables)
+    mission = plain.mission
     program, passes = run_pipeline(
-        program, options.disabled_passes, options.print_after, options.show, options.should_stop
-    )
-    ctx = Context(mission, ModelBuilder(), program.ranges)
-    ctx.layout.stand_ins = plain.stand_ins
-    add_agents(ctx)
+        Program(mission.requirements, mission, plain.ranges, tables), options.disabled_passes,
+        options.print_after, options.show, options.should_stop,
+    )  # fmt: skip
+    ctx = _begun(plain, program)
     goals = program.known_goals()
     rho = {goal: _add_goal(ctx, goal) for goal in goals}
     reserve_link_costs(ctx, tables, options.link)
@@ -142,16 +140,24 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     if "stages" not in options.disabled_passes:
         _add_stages(ctx, program)
     notes += add_objective(ctx, tables, options.link) + add_caps(ctx, rho, tables, options.link)
-    ctx.builder.offset += plain.offset
     model = ctx.builder.build()
     check_magnitudes(model)
     stats = CompileStats(sizes(model), passes, time.perf_counter() - began, notes)
     robustness = {g.requirement: (rho[g], g.low, g.high) for g in goals}
-    named = {f"require {r.name}": r for r in program.requirements}
+    warned = leaky_big_ms(model, {f"require {r.name}": r for r in program.requirements})
     return Compiled(
-        model, mission, ctx.layout, ctx.ranges, robustness, stats, tables.channels,
-        leaky_big_ms(model, named), options.link,
+        model, mission, ctx.layout, ctx.ranges, robustness, stats, tables.channels, warned,
+        options.link,
     )  # fmt: skip
+
+
+def _begun(plain: Lowered, program: Program) -> Context:
+    """A model that has agents so far, and what lowering has settled."""
+    ctx = Context(plain.mission, ModelBuilder(), program.ranges)
+    ctx.layout.stand_ins = plain.stand_ins
+    ctx.builder.offset += plain.offset
+    add_agents(ctx)
+    return ctx
 
 
 def _add_goal(ctx: Context, goal: Goal) -> int:
@@ -206,4 +212,4 @@ def sizes(model: Model) -> dict[str, tuple[int, int, int, int]]:
         nonzeros = int(model.A.indptr[block.start + block.size] - model.A.indptr[block.start])
         entry = found.setdefault(block.origin.label, np.zeros(4, np.int64))
         entry += (0, 0, block.size, nonzeros)
-    return {label: tuple(int(v) for v in entry) for label, entry in found.items()}  # type: ignore[misc]
+    return {label: (int(e[0]), int(e[1]), int(e[2]), int(e[3])) for label, e in found.items()}

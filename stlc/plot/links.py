@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-ROW = 84  # letters of small text beside each other over half a page
-LINE = 12  # points of a row of it
 MOST_PAIRS = 8  # entries that a legend of pairs has room for
 
 _KEYS = {
@@ -95,6 +93,7 @@ def draw_links(axes: Axes, mission: Mission, clock: Clock, panel: LinkPanel) -> 
         )  # fmt: skip
         if strong:
             _chance_level(axes, clock, panel, s, colour)
+    axes.set_title(link_title(panel, mission), pad=18)
     axes.set_ylabel(_TITLES[panel.key][1])
     for level in {p.threshold for p in panel.predicates}:
         axes.axhline(level, color="black", linewidth=1.0, linestyle=(0, (5, 2)), zorder=5)
@@ -106,18 +105,9 @@ def draw_links(axes: Axes, mission: Mission, clock: Clock, panel: LinkPanel) -> 
     rest = len(series) - len(named)
     if rest:
         axes.plot([], [], color=QUIET, linewidth=0.7, label=f"{rest} more pairs")
-    _key(axes, link_title(panel, mission))
-
-
-def _key(axes: Axes, title: str) -> None:
-    """The title, and below it the pairs in as many rows as their names need."""
-    handles, labels = axes.get_legend_handles_labels()
-    columns = max(1, ROW // (max(map(len, labels), default=0) + 4))
-    rows = -(-len(labels) // columns)
-    axes.set_title(title, pad=6 + LINE * rows)
-    axes.legend(handles, labels, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1,
-                borderpad=0.1, ncols=columns, handlelength=1.4, columnspacing=1.0,
-                handletextpad=0.4, labelspacing=0.3)  # fmt: skip
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1, borderpad=0.1,
+                ncols=MOST_PAIRS, handlelength=1.4, columnspacing=1.0,
+                handletextpad=0.4)  # fmt: skip
 
 
 def link_title(panel: LinkPanel, mission: Mission) -> str:

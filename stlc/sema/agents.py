@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -26,6 +26,7 @@ PROPERTIES = (
     "start", "control", "speed", "state", "turn_rate", "mass", "effort_state", "effort_input",
     "integer", "start_noise", "control_noise",
 )  # fmt: skip
+_BOUNDING = ("control", "speed", "state")
 MOST_MEMBERS = 10_000
 _KINDS = ("double_integrator", "single_integrator")
 
@@ -59,6 +60,12 @@ def family(statement: ast.AgentDecl, numbers: ast.Range, scope: Scope) -> Items:
     return Items(tuple(members), "family")
 
 
+def _apply_all(every: Iterable[ast.Property], bounds: Bounds, scope: Scope) -> None:
+    for prop in every:
+        with scope.report.guard():
+            apply(prop, bounds, scope)
+
+
 def agent(statement: ast.AgentDecl, name: str, env: Env, scope: Scope) -> Agent:
     """One agent: its dynamics' bounds and its own, the latter first."""
     base, inherited = model_of(statement.dynamics, scope)
@@ -70,10 +77,7 @@ def agent(statement: ast.AgentDecl, name: str, env: Env, scope: Scope) -> Agent:
     block = props.Block(owner, {p.key.text: p for p in every})
     mass = _mass(block, env, scope)
     bounds = Bounds(base, mass, env)
-    for prop in every:
-        if prop.key.text in ("control", "speed", "state", *limits):
-            with scope.report.guard():
-                apply(prop, bounds, scope)
+    _apply_all((p for p in every if p.key.text in (*_BOUNDING, *limits)), bounds, scope)
     _tell_of_open_sides(name, bounds, block, scope)
     made = Agent(
         name=name,

@@ -92,13 +92,7 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
     _numbers(statements, scope, files)
     space = single(statements, ast.Workspace, report)
     declare_workspace(space, file.source.text, shaper)
-    _places(statements, shaper)
-    first = _first(statements, ast.DynamicsDecl, scope)
-    _each(first, lambda s: agents.declare_dynamics(s, scope), report)
-    _each(_first(statements, ast.AgentDecl, scope), lambda s: agents.declare(s, scope), report)
-    _each(_first(statements, ast.StationDecl, scope), lambda s: agents.station(s, shaper), report)
-    radios = _first(statements, ast.ChannelDecl, scope)
-    _each(radios, lambda s: channels.declare(s, scope, files), report)
+    _declare_all(statements, shaper, files)
     _unused_lets(of(statements, ast.Let), scope)
     given = scope.given_horizon = _horizon(single(statements, ast.Horizon, report), scope)
     requirements = demands.required(statements, scope)
@@ -134,12 +128,18 @@ def _numbers(statements: list[ast.Statement], scope: Scope, files: Files) -> Non
     _each(of(statements, ast.Param), lambda s: scope.value(s.value), scope.report)
 
 
-def _places(statements: list[ast.Statement], shaper: Shaper) -> None:
-    """Regions, obstacles and walls."""
+def _declare_all(statements: list[ast.Statement], shaper: Shaper, files: Files) -> None:
+    """Places first, then agents, then channels, which may speak of all of them."""
     scope, report = shaper.scope, shaper.scope.report
     _each(_first(statements, ast.RegionDecl, scope), shaper.region, report)
     _each(_first(statements, ast.ObstacleDecl, scope), shaper.obstacle, report)
     _each(_first(statements, ast.WallDecl, scope), lambda s: declare_wall(s, shaper), report)
+    first = _first(statements, ast.DynamicsDecl, scope)
+    _each(first, lambda s: agents.declare_dynamics(s, scope), report)
+    _each(_first(statements, ast.AgentDecl, scope), lambda s: agents.declare(s, scope), report)
+    _each(_first(statements, ast.StationDecl, scope), lambda s: agents.station(s, shaper), report)
+    radios = _first(statements, ast.ChannelDecl, scope)
+    _each(radios, lambda s: channels.declare(s, scope, files), report)
 
 
 # --- names -------------------------------------------------------------------------------------

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,7 @@ Array = NDArray[np.float64]
 
 ALL = "all together"
 WORKSPACE = "workspace"
+_INSIDE = Requirement(WORKSPACE, Linear((), 0.0, "m"))
 
 
 def simulate(
@@ -58,11 +60,9 @@ def simulate(
     trace = Trace(mission.horizon + 1, runs.signals, packets.robustness, many=True)
     evaluator = Evaluator(trace, _certain_motion(mission, swept_override(mission, plan.runs)))
     judged = [(r, evaluator.robustness(r.formula)[:1]) for r in mission.requirements]
-    rule = Requirement(WORKSPACE, Linear((), 0.0, "m"))
-    judged += [(rule, value) for value in _in_workspace(mission, runs)]
-    together = np.ones(1, dtype=bool)
-    for r, value in judged:
-        together = together & _holds(value, r.margin)
+    judged += [(_INSIDE, value) for value in _in_workspace(mission, runs)]
+    holds = (_holds(value, r.margin) for r, value in judged)
+    together = reduce(np.logical_and, holds, np.ones(1, dtype=bool))
     return Simulation(
         mission.source.name, draws, seed, confidence,
         tuple(_estimate(r, value, draws, confidence) for r, value in judged),

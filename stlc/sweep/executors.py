@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from stlc.errors import SolverError
 from stlc.solve.racing.child import Child
-from stlc.solve.racing.cluster import connect, distributed, stop_event
+from stlc.solve.racing.cluster import Future, connect, distributed, result_of, stop_event
 from stlc.sweep.work import Done, InterruptedSweepError, Keep, Task, run
 
 Stop = Callable[[], bool]
@@ -100,12 +100,8 @@ def run_remotely(task: Task, word: str) -> Done | None:
         return None
 
 
-def _result(future: object) -> Done | None:
-    status = getattr(future, "status", "lost")
-    if status != "finished":
-        cause = future.exception() if status == "error" else status  # type: ignore[attr-defined]
-        raise SolverError(f"the cluster gave up on a point of the sweep: {cause}")
-    result = future.result()  # type: ignore[attr-defined]
+def _result(future: Future) -> Done | None:
+    result = result_of(future, "a point of the sweep")
     assert result is None or isinstance(result, Done)
     return result
 

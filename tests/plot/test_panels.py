@@ -139,21 +139,3 @@ def test_a_gif_of_nobody_on_the_map_is_refused(tmp_path):
     with pytest.raises(UsageError, match="no agent has a position"):
         plot_plan(there, plan, tmp_path / "p.gif")
     assert not list(tmp_path.iterdir())
-
-
-def test_long_names_of_pairs_stay_beside_their_panel():
-    names = [f"surveyor_number_{k}" for k in range(6)]
-    text = "horizon 2\nstation headquarters at (0, 0)\nworkspace box [0, 9] x [0, 9]\n"
-    text += "channel r { path_loss L0 = -40 dBm, n = 2; partition 2 x 2 }\n"
-    for k, name in enumerate(names):
-        text += f"agent {name} : single_integrator {{ start (1, {k + 1}) }}\n"
-        text += f"require always rssi({name}, headquarters) >= -90 dBm\n"
-    there = loads(text)
-    states = {n: np.tile([1.0, k + 1.0], (3, 1)) for k, n in enumerate(names)}
-    plan = make_plan(there, states, {n: np.zeros((2, 2)) for n in names})
-    figure = plan_figure(there, plan)
-    axes = panel(figure, "Received strength")
-    key = axes.get_legend().get_window_extent()
-    assert key.x1 <= figure.bbox.x1
-    assert axes.get_window_extent().width > 0.3 * figure.bbox.width
-    assert key.y1 <= axes._left_title.get_window_extent().y0 + 2

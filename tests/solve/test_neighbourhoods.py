@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.carts import CARTS, EXACT, HIGHS
 
-from stlc import backends
 from stlc.api import loads
 from stlc.backends.base import SolveOptions, Status
 from stlc.milp.compile import Compiled, compile_mission
@@ -16,31 +16,19 @@ from stlc.solve.judge import Judge
 from stlc.solve.strategies import NEIGHBOURHOODS, run_strategy
 from stlc.solve.strategy import Work
 
-HIGHS = backends.get("highs")
-EXACT = SolveOptions(gap=1e-6)
-
-CROSSING = """
-horizon 4
-workspace box [0, 6] x [0, 6]
-dynamics cart = single_integrator
-agent r1 : cart {{ start (1, 1); control |u| <= 1.5 }}
-agent r2 : cart {{ start (1, 3); control |u| <= 1.5 }}
-agent r3 : cart {{ start (1, 5); control |u| <= 1.5 }}
-region low = box [4, 6] x [0, 1.5]
-region high = box [4, 6] x [4.5, 6]
+CROSSING = (
+    CARTS
+    + """
 require reach1: eventually r1 in high
 require reach3: eventually r3 in low
-require apart: forall (a, b) in pairs: always separation(a, b) >= 1 m swept
-channel radio {{ path_loss L0 = -40 dBm, n = 2; fading 0 dB^2; shadowing 0 dB^2, length 1 m
-  noise_floor -90 dBm; partition 3 x 3 }}
 require talk: always[1, 4] (rssi(r2, r1) >= -54 dBm and rssi(r2, r3) >= -54 dBm)
-{objective}
 """
+)
 OBJECTIVES = ("minimize effort", "minimize effort + 0.5 * normalised(link_cost(radio))")
 
 
 def crossing(objective: str) -> tuple[Mission, Compiled]:
-    task = loads(CROSSING.format(objective=objective))
+    task = loads(CROSSING + objective)
     return task, compile_mission(task)
 
 

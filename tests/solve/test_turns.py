@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.carts import EXACT, HIGHS
 
-from stlc import backends
 from stlc.api import loads
 from stlc.backends.base import SolveOptions, Status
 from stlc.milp.compile import Compiled, compile_mission
@@ -22,9 +22,6 @@ from stlc.solve.teams.couplings import Couplings
 from stlc.solve.teams.held import against
 from stlc.solve.teams.turns import Turns
 from stlc.solve.teams.whole import completed
-
-HIGHS = backends.get("highs")
-EXACT = SolveOptions(gap=1e-6)
 
 HEAD = """
 horizon 5

@@ -31,6 +31,15 @@ class Variant:
     extra: str = ""
 
 
+def _agent_and_goal(
+    name: str, rng: np.random.Generator, hole: np.ndarray, variant: Variant
+) -> list[str]:
+    start = _free_point(rng, hole)
+    goal = np.clip(start + rng.integers(-2, 3, 2), 0, SIZE - 1)
+    region = f"region goal_{name} = box {_span(goal[0])} x {_span(goal[1])}"
+    return [_agent(name, start, variant), region]
+
+
 def write_mission(folder: Path, seed: int, variant: Variant) -> Mission:
     """A mission with random starts, goals, an obstacle and a table; on a coarse raster, so that
     starts, faces and cell borders often coincide."""
@@ -46,10 +55,7 @@ def write_mission(folder: Path, seed: int, variant: Variant) -> Mission:
     corner = rng.integers(1, SIZE - 2, 2)
     hole = np.stack([corner, corner + rng.integers(1, 3, 2)], 1)
     for name in names:
-        start = _free_point(rng, hole)
-        lines.append(_agent(name, start, variant))
-        goal = np.clip(start + rng.integers(-2, 3, 2), 0, SIZE - 1)
-        lines.append(f"region goal_{name} = box {_span(goal[0])} x {_span(goal[1])}")
+        lines += _agent_and_goal(name, rng, hole, variant)
     lines.append(
         f"obstacle block = box [{hole[0, 0]}, {hole[0, 1]}] x [{hole[1, 0]}, {hole[1, 1]}]"
     )

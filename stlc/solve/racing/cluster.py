@@ -9,7 +9,7 @@ import pickle
 import uuid
 from collections.abc import Callable, Sequence
 from importlib import import_module
-from typing import Any
+from typing import Any, Protocol
 
 from stlc.backends.base import Progress
 from stlc.errors import SolverError
@@ -19,6 +19,26 @@ from stlc.solve.racing.race import Finish, Lap, Race, Racer, Report, best, check
 _POLL = 0.2  # s
 _TIMEOUT = 10.0  # s to reach the scheduler
 _LAST_WORD = 5.0  # s for racers that were told to stop to send their last points
+
+
+class Future(Protocol):
+    """A task of dask's, as far as its result is concerned."""
+
+    status: str
+
+    def result(self) -> object:
+        """What it made."""
+
+    def exception(self) -> BaseException | None:
+        """What it raised."""
+
+
+def result_of(future: Future, what: str) -> object:
+    """What a task made that has ended. SolverError, which says `what`, where it made nothing."""
+    if future.status == "finished":
+        return future.result()
+    cause = future.exception() if future.status == "error" else future.status
+    raise SolverError(f"the cluster gave up on {what}: {cause}")
 
 
 def race_on_cluster(

@@ -65,6 +65,23 @@ def _inside(compiled: Compiled, names: Sequence[str], partition: Partition) -> b
     )
 
 
+def _add_costs(
+    compiled: Compiled, links: Sequence[ObjectiveTerm], partition: Partition, costs: Costs
+) -> float:
+    """Add link costs over a partition; the least that those over other cells come to."""
+    mission, rest = compiled.mission, 0.0
+    for term in links:
+        assert term.channel is not None
+        other, steps = mission.channels[term.channel], steps_of(mission, term)[0]
+        weight = term.weight / static_range(mission, term, compiled.channels)
+        for pair in term.pairs:
+            table = weight * compiled.channels.cost(other.name, pair)
+            same = np.array_equal(other.partition.boxes, partition.boxes)
+            if not same or not costs.add(pair, table, steps):
+                rest += float(table.min()) * len(steps)
+    return rest
+
+
 def _with_costs(
     compiled: Compiled,
     bodies: list[Body],
@@ -79,16 +96,8 @@ def _with_costs(
     fine, owner = partition.common_grid()
     assert fine.edges is not None
     x, y = fine.edges
-    costs, rest = Costs([b.name for b in bodies], partition, mission.horizon, borders), 0.0
-    for term in links:
-        assert term.channel is not None
-        other, steps = mission.channels[term.channel], steps_of(mission, term)[0]
-        weight = term.weight / static_range(mission, term, compiled.channels)
-        for pair in term.pairs:
-            table = weight * compiled.channels.cost(other.name, pair)
-            same = np.array_equal(other.partition.boxes, partition.boxes)
-            if not same or not costs.add(pair, table, steps):
-                rest += float(table.min()) * len(steps)
+    costs = Costs([b.name for b in bodies], partition, mission.horizon, borders)
+    rest = _add_costs(compiled, links, partition, costs)
     for i, own in enumerate(costs.alone):
         if not any(i in pair for pair in costs.pairs):
             rest += sum(float(cost.min()) for cost in own if cost is not None)

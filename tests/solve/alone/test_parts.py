@@ -6,10 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.carts import CARTS, EXACT, HIGHS
 
-from stlc import backends
 from stlc.api import loads
-from stlc.backends.base import SolveOptions
 from stlc.ir.nodes import Linear, Link, walk
 from stlc.milp.compile import compile_mission
 from stlc.solve.alone.loosened import loosened
@@ -17,27 +16,15 @@ from stlc.solve.alone.parts import Part, bound_of
 from stlc.solve.strategies import LONE, PARTS, run_strategy
 from stlc.solve.strategy import Work
 
-HIGHS = backends.get("highs")
-EXACT = SolveOptions(gap=1e-6)
-
-TALK = """
-horizon 4
-workspace box [0, 6] x [0, 6]
-dynamics cart = single_integrator
-agent r1 : cart {{ start (1, 1); control |u| <= 1.5 }}
-agent r2 : cart {{ start (1, 3); control |u| <= 1.5 }}
-agent r3 : cart {{ start (1, 5); control |u| <= 1.5 }}
+TALK = (
+    CARTS
+    + """
 station base at (0, 3)
-region low = box [4, 6] x [0, 1.5]
-region high = box [4, 6] x [4.5, 6]
 require reach1: eventually r1 in low
 require reach3: eventually r3 in high
-require apart: forall (a, b) in pairs: always separation(a, b) >= 1 m swept
-channel radio {{ path_loss L0 = -40 dBm, n = 2; fading 0 dB^2; shadowing 0 dB^2, length 1 m
-  noise_floor -90 dBm; partition 3 x 3 }}
-require talk: {talk}
 minimize effort
-"""
+require talk: """
+)
 TALKS = (
     "always[1, 4] (rssi(r2, r1) >= -53 dBm and rssi(r2, r3) >= -53 dBm)",
     "always[0, 2] eventually[0, 2] (rssi(r1, r2) >= -52 dBm and rssi(r2, r3) >= -52 dBm)",
@@ -47,7 +34,7 @@ TALKS = (
 
 def looked_at(talk: str) -> tuple[Work, Work]:
     """A solve that knows its agents alone, and then groups of them."""
-    lone = LONE.run(Work.of(compile_mission(loads(TALK.format(talk=talk))), HIGHS, EXACT))
+    lone = LONE.run(Work.of(compile_mission(loads(TALK + talk)), HIGHS, EXACT))
     assert isinstance(lone, Work)
     assert PARTS.applies(lone)
     parts = PARTS.run(lone)
@@ -58,7 +45,7 @@ def looked_at(talk: str) -> tuple[Work, Work]:
 @pytest.mark.parametrize("talk", TALKS)
 def test_no_plan_costs_less_than_the_bound_and_the_rows_cut_off_none(talk: str) -> None:
     lone, parts = looked_at(talk)
-    optimum = run_strategy("milp", compile_mission(loads(TALK.format(talk=talk))), HIGHS, EXACT)
+    optimum = run_strategy("milp", compile_mission(loads(TALK + talk)), HIGHS, EXACT)
     assert optimum.objective is not None
     assert lone.bound <= parts.bound <= optimum.objective * (1 + 1e-6)
     again = HIGHS.solve(parts.compiled.model, EXACT)
@@ -92,7 +79,7 @@ def test_bounds_of_overlapping_groups_are_put_together_by_the_best_weights() -> 
 
 @pytest.mark.parametrize("talk", TALKS)
 def test_wherever_a_link_is_good_the_polygon_holds(talk: str) -> None:
-    mission = loads(TALK.format(talk=talk))
+    mission = loads(TALK + talk)
     compiled = compile_mission(mission)
     loose = loosened(mission, compiled.channels)
     assert not any(isinstance(n, Link) for r in loose.requirements for n in walk(r.formula))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.route_missions import boxes, optimum
 
 from stlc.api import loads
 from stlc.backends import get
@@ -72,13 +73,6 @@ MISSIONS = {
 }
 
 
-def optimum(one: Compiled) -> float:
-    found = get("highs").solve(one.model, SolveOptions(gap=1e-7))
-    assert found.status is Status.OPTIMAL
-    assert found.objective is not None
-    return found.objective
-
-
 def bound(one: Compiled, name: str, cut: int, most: float = np.inf) -> float:
     grids = Routes.of(one, lambda: False)
     found = play_of(one, name, grids.progress, grids.levels, cut, most, lambda: False).bound()
@@ -130,10 +124,7 @@ SIZES = st.floats(0.4, 1.9)
 def test_no_random_optimum_is_below_its_bound(
     corners: tuple[float, ...], sizes: tuple[float, ...], cut: int, often: str
 ) -> None:
-    a, b, rock = (
-        f"box [{x:.3f}, {x + w:.3f}] x [{y:.3f}, {y + h:.3f}]"
-        for x, y, w, h in zip(corners[::2], corners[1::2], sizes[::2], sizes[1::2], strict=True)
-    )
+    a, b, rock = boxes(corners, sizes)
     text = f"""step 1 s
 horizon 5
 workspace box [0, 9] x [0, 9]

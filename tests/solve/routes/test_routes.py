@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support.route_missions import collecting, optimum
 from support.worlds import value
 
 from stlc.api import loads, solve
 from stlc.backends import get
-from stlc.backends.base import Solution, SolveOptions, Status
+from stlc.backends.base import Solution, SolveOptions
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.milp.violations import violations
 from stlc.record import changed
@@ -41,21 +42,10 @@ region B = box [5, 6] x [0, 1]
 require patrol: forall g in regions: always[0, 6] eventually[0, 6] r in g
 minimize effort
 """
-DATA = """step 1 s
-horizon 14
-workspace box [0, 20] x [0, 20]
-agent r : double_integrator { start (10, 2); control |u| <= 2; speed <= 4 }
-station a at (3, 18)
-station b at (10, 0)
-channel radio {
-  path_loss L0 = -40 dBm, n = 3
-  noise_floor -92 dBm, modulation oqpsk_802_15_4, packet 64 bytes
-  partition 10 x 10
-}
-require collect: eventually[0, 12] always[0, 2] rssi(r, a) >= -60 dBm
-require deliver: eventually[12, 14] rssi(r, b) >= -60 dBm
-minimize effort
-"""
+DATA = collecting(
+    14, "(10, 0)", "eventually[0, 12] always[0, 2] rssi(r, a) >= -60 dBm",
+    "eventually[12, 14] rssi(r, b) >= -60 dBm",
+)  # fmt: skip
 SINGLE = DOOR.format(kind="single_integrator", push=2, more="", early=0)
 DOUBLE = DOOR.format(kind="double_integrator", push=1, more="speed <= 2", early=4)
 
@@ -96,13 +86,11 @@ def answer(text: str, monkeypatch: pytest.MonkeyPatch) -> tuple[Compiled, Soluti
 @pytest.mark.parametrize("text", [SINGLE, PATROL])
 def test_proves_what_the_whole_model_proves(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     one, found = answer(text, monkeypatch)
-    best = get("highs").solve(one.model, SolveOptions(gap=1e-6))
-    assert best.status is Status.OPTIMAL
+    best = optimum(one)
     assert found.objective is not None
-    assert best.objective is not None
     assert found.bound is not None
-    assert found.objective == pytest.approx(best.objective, rel=2e-4)
-    assert found.bound <= best.objective + 1e-6
+    assert found.objective == pytest.approx(best, rel=2e-4)
+    assert found.bound <= best + 1e-6
 
 
 def test_plan_comes_from_routes_and_keeps_the_mission(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
+from support.route_missions import boxes, collecting, optimum
 
 from stlc.api import loads
 from stlc.backends import get
@@ -48,29 +49,11 @@ require until: (not (r in b)) until r in a
 require late: eventually[8, 10] r in b
 minimize 2 * effort
 """
-RADIO = """step 1 s
-horizon 10
-workspace box [0, 20] x [0, 20]
-agent r : double_integrator { start (10, 2); control |u| <= 2; speed <= 4 }
-station a at (3, 18)
-station b at (18, 3)
-channel radio {
-  path_loss L0 = -40 dBm, n = 3
-  noise_floor -92 dBm, modulation oqpsk_802_15_4, packet 64 bytes
-  partition 10 x 10
-}
-require collect: eventually[0, 5] always[0, 1] rssi(r, a) >= -60 dBm
-require deliver: eventually[8, 10] rssi(r, b) >= -60 dBm
-minimize effort
-"""
+RADIO = collecting(
+    10, "(18, 3)", "eventually[0, 5] always[0, 1] rssi(r, a) >= -60 dBm",
+    "eventually[8, 10] rssi(r, b) >= -60 dBm",
+)  # fmt: skip
 MISSIONS = {"rounds": ROUNDS, "euler": EULER, "radio": RADIO}
-
-
-def optimum(one: Compiled) -> float:
-    found = get("highs").solve(one.model, SolveOptions(gap=1e-6))
-    assert found.status is Status.OPTIMAL
-    assert found.objective is not None
-    return found.objective
 
 
 def bound(one: Compiled, most: float) -> float:
@@ -132,10 +115,7 @@ SIZES = st.floats(0.4, 2.5)
 def test_no_random_optimum_is_below_its_bound(
     corners: tuple[float, ...], sizes: tuple[float, ...], often: str
 ) -> None:
-    a, b, c = (
-        f"box [{x:.3f}, {x + w:.3f}] x [{y:.3f}, {y + h:.3f}]"
-        for x, y, w, h in zip(corners[::2], corners[1::2], sizes[::2], sizes[1::2], strict=True)
-    )
+    a, b, c = boxes(corners, sizes)
     text = f"""step 1 s
 horizon 6
 workspace box [0, 9] x [0, 9]
