@@ -161,7 +161,7 @@ function showFocus(what) {
   if (!what || what.needs.length !== 1) return;
   const need = DATA.needs[what.needs[0]];
   for (const agent of DATA.scene.agents) {
-    if (need.step === null || !need.names.includes(agent.name)) continue;
+    if (need.step === null || !need.about.includes(agent.name)) continue;
     const at = place(agent, need.step);
     draw("circle", { cx: map.X(at), cy: map.Y(at), r: 12, stroke: agent.colour }, map.ghosts);
     draw("text", { x: map.X(at) + 14, y: map.Y(at) + 16, text: `step ${need.step}` }, map.ghosts);

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
 from stlc.explain.tight import Explained, Standing
-from stlc.ir.nodes import Linear, Link, walk
+from stlc.ir.nodes import Linear, Link, Node, walk
 from stlc.ir.requirement import Requirement
 from stlc.mission import Mission
 from stlc.plan import Plan
@@ -42,7 +43,8 @@ def _need(requirement: Requirement, standing: Standing, curve: Timeline | None) 
         "price": _price(standing),
         "source": None if span is None else span.source.name,
         "lines": None if span is None else [span.line, span.source.position(span.end)[0]],
-        "names": sorted(_names(requirement)),
+        "names": _names(walk(requirement.formula)),
+        "about": [] if curve is None else _names(curve.deciders),
         "curve": None if curve is None else _curve(curve, requirement.margin),
     }
 
@@ -83,10 +85,10 @@ def _curve(curve: Timeline, margin: float) -> dict[str, Any]:
     return {"values": short(values), "step": curve.step, "window": list(curve.window)}
 
 
-def _names(requirement: Requirement) -> set[str]:
-    """Agents, stations and places that a requirement is about."""
+def _names(nodes: Iterable[Node]) -> list[str]:
+    """Agents, stations and places that parts are about, by themselves."""
     names: set[str] = set()
-    for node in walk(requirement.formula):
+    for node in nodes:
         if isinstance(node, Linear):
             names |= {signal.owner for signal, _ in node.terms}
         elif isinstance(node, Link):
@@ -95,4 +97,4 @@ def _names(requirement: Requirement) -> set[str]:
             names.add(node.member.place)
         if node.swept is not None:
             names |= {n for n in (node.swept.agent, node.swept.other, node.swept.place) if n}
-    return names
+    return sorted(names)

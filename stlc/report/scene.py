@@ -18,6 +18,7 @@ from stlc.report.numbers import short
 from stlc.verify.paths import Path, paths
 from stlc.verify.shapes import obstacle_body, region_body
 
+MOST_POINTS = 2000  # of one path: a trail of more is drawn too slowly to move
 CURVED = 8  # points drawn for each step of a motion that isn't straight between its samples
 
 
@@ -50,7 +51,7 @@ def scene(mission: Mission, plan: Plan) -> dict[str, Any]:
 def _track(path: Path, horizon: int) -> dict[str, Any]:
     """Points of a motion, `per` a step: one where it is straight and even within its steps."""
     straight = path.pieces == 1 and not np.abs(path.c2).max(initial=0.0) > 1e-9
-    per = 1 if straight else CURVED
+    per = 1 if straight else max(1, min(CURVED, MOST_POINTS // max(horizon, 1)))
     steps = np.linspace(0.0, horizon, horizon * per + 1)
     return {"per": per, "path": short(path.at(steps))}
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stlc.grids import on_grids
-from stlc.ir.nodes import Always, Eventually, Link, Node, Release, Until, walk
+from stlc.ir.nodes import Always, Eventually, Linear, Link, Node, Release, Until, walk
 from stlc.mission import Mission
 from stlc.plan import Plan
 from stlc.verify.critical import descent
@@ -23,12 +23,14 @@ class Timeline:
 
     `values` (L,) are its robustness at steps 0..L-1, signed as the requirement counts it;
     `values[step]` is the requirement's own robustness. `window` are the first and last step that
-    its temporal operators ask about.
+    its temporal operators ask about. `deciders` are the predicate that decides and the
+    parts around it that say what it is about.
     """
 
     values: Array
     step: int
     window: tuple[int, int]
+    deciders: tuple[Node, ...]
 
 
 def timelines(mission: Mission, plan: Plan) -> tuple[Timeline | None, ...]:
@@ -44,17 +46,25 @@ def timelines(mission: Mission, plan: Plan) -> tuple[Timeline | None, ...]:
 
 
 def _timeline(evaluator: Evaluator, root: Node) -> Timeline | None:
-    """Down to the first part that no temporal operator stands in."""
+    """Down to the first part that no temporal operator stands in, and from there to the end."""
     if not len(evaluator.robustness(root)):
         return None
     low = high = 0
-    for (node, step, positive), options in descent(evaluator, root):
+    way = list(descent(evaluator, root))
+    deciders = tuple(node for (node, _, _), _ in way if _claims(node))
+    for (node, step, positive), options in way:
         if not _temporal(node):
             values = evaluator.judged(node, positive) * (1.0 if positive else -1.0)
-            return Timeline(np.asarray(values), step, (low, high))
+            return Timeline(np.asarray(values), step, (low, high), deciders)
         steps = [t - step for _, t, _ in options]
         low, high = low + min(steps, default=0), high + max(steps, default=0)
     return None
+
+
+def _claims(node: Node) -> bool:
+    """Whether a part says by itself which agents and places it is about."""
+    named = node.member is not None or node.swept is not None
+    return named or isinstance(node, Linear | Link)
 
 
 def _temporal(node: Node) -> bool:

@@ -193,6 +193,17 @@ def test_agents_that_are_nowhere_have_charts_alone():
     page.run()
 
 
+def test_the_ring_is_where_the_deciding_agent_is():
+    text = TEXT[: TEXT.index("require reach")]
+    text += "require both: always forall a in agents: a.y <= 7 m\n"
+    page = Page(report_page(*mission_and_plan(text)))
+    (need,) = page.data["needs"]
+    assert (need["names"], need["about"]) == (["d", "r"], ["d"])
+    engine = page.run()
+    engine.eval('document.querySelectorAll("li[data-needs]")[0].fire("mouseenter")')
+    assert engine.eval('map.ghosts.querySelectorAll("circle").length') == 1
+
+
 def test_the_command_writes_a_page(tmp_path):
     (tmp_path / "m.stl").write_text(MISSION)
     assert inside("solve", "m.stl", "-o", "p.json", "--progress", "none", folder=tmp_path)
