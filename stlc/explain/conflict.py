@@ -24,6 +24,7 @@ from stlc.explain.oracle import Oracle, Question, Verdict, channels_of
 from stlc.explain.whole import begin
 from stlc.explain.words import clause, place, steps_of
 from stlc.ir.requirement import Requirement
+from stlc.ir.rewrite import measures
 from stlc.milp.compile import CompileOptions
 from stlc.mission import Bound, Mission
 from stlc.solve.bounded import by_deadline
@@ -60,6 +61,11 @@ class Conflict:
     questions: int = 0
 
     @property
+    def by_faces(self) -> bool:
+        """Whether polygons stand for lengths in a clause: a true length may have a run still."""
+        return any(measures(c.formula) for c in self.clauses)
+
+    @property
     def spans(self) -> tuple[Span | None, ...]:
         """Where the clauses stand."""
         return tuple(c.formula.span or c.span for c in self.clauses)
@@ -81,6 +87,7 @@ class Conflict:
             ],
             "agents": list(self.agents),
             "minimal": self.minimal,
+            "polygons": self.by_faces,
             "partition": None if self.by_cells is None else self.by_cells.value,
             "proof": self.confirmation,
         }

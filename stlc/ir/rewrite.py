@@ -70,3 +70,8 @@ def rewrite(roots: Sequence[Node], visit: Callable[[Node], Node]) -> tuple[Node,
 def conjuncts(node: Node) -> tuple[Node, ...]:
     """What has to hold together: the arguments of a conjunction, anything else alone."""
     return node.args if isinstance(node, And) else (node,)
+
+
+def measures(root: Node) -> bool:
+    """Whether faces stand for a Euclidean length in a formula: they are sufficient only."""
+    return any(node.norms is not None for node in postorder([root]))

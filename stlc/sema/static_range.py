@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import cos, inf, pi
+from math import cos, hypot, inf, pi
 from typing import assert_never
 
 import numpy as np
@@ -30,6 +30,7 @@ from stlc.ir.nodes import (
     Timed,
     Until,
 )
+from stlc.ir.norms import Norms, Sum
 from stlc.mission import Agent, Array, PolygonKind
 from stlc.places import Polytope
 
@@ -76,6 +77,8 @@ class StaticRange:
 
     def _compute(self, node: Node, first: bool) -> Interval:
         """An interval that holds the robustness at the start (`first`), or at any step."""
+        if node.norms is not None:  # the lengths themselves, not the faces that stand for them
+            return self._lengths(node.norms, first)
         match node:
             case Const(value=value):
                 return (inf, inf) if value else (-inf, -inf)
@@ -127,7 +130,18 @@ class StaticRange:
         later = self.of(arg, False)
         return [self.of(arg, True), later] if first else [later]
 
-    def _linear(self, node: Linear, first: bool) -> Interval:
+    def _lengths(self, norms: Norms, first: bool) -> Interval:
+        """rest + sum of coefficient * sqrt(x^2 + y^2 + ..) over the intervals of x, y, .."""
+        low, high = self._linear(norms.rest, first)
+        for coefficient, components in norms.lengths:
+            parts = [self._linear(c, first) for c in components]
+            least = hypot(*(max(a, -b, 0.0) for a, b in parts))
+            most = hypot(*(max(-a, b) for a, b in parts))
+            ends = (coefficient * least, coefficient * most)
+            low, high = low + min(ends), high + max(ends)
+        return low, high
+
+    def _linear(self, node: Linear | Sum, first: bool) -> Interval:
         low = high = node.constant
         for signal, coefficient in node.terms:
             least, most = self._signal(signal, first)

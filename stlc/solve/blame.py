@@ -17,6 +17,7 @@ from stlc.analysis.unreachable import Unreachable
 from stlc.channels import TableMemo
 from stlc.ir.nodes import Always, And, Eventually, Link, Node, Until, walk
 from stlc.ir.requirement import Requirement
+from stlc.ir.rewrite import measures
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.mission import Bound, Channel, Mission
 from stlc.source import Span
@@ -32,6 +33,12 @@ _STANDS = {
 }
 
 
+FACES = (
+    "lengths are planned by polygons on the safe side, of 16 sides within 2 %: a run that keeps "
+    "the true length may exist; `distance(a, b, 64)` comes nearer"
+)
+
+
 def remedy(bound: Bound, finer: str = "") -> str:
     """What to try where cells, by their bound, are what rules a link out."""
     such = f" (`{finer}`)" if finer else ""
@@ -43,8 +50,8 @@ def remedy(bound: Bound, finer: str = "") -> str:
 class Blame:
     """What fails: needed by step `deadline` (inclusive), possible from `earliest` (None: never).
 
-    `by_cells`: what stands for cells doesn't offer the link in time, though points of them may;
-    then `finer` is a partition to try.
+    `by_faces`: polygons stand for lengths in it. `by_cells`: what stands for cells doesn't offer
+    the link in time, though points of them may; then `finer` is a partition to try.
     """
 
     span: Span | None
@@ -52,8 +59,15 @@ class Blame:
     earliest: int | None
     by_cells: Bound | None = None
     finer: str = ""
+    by_faces: bool = False
 
     def __str__(self) -> str:
+        """One sentence; a polygon that stands for a length is told of."""
+        said = self._said()
+        return f"{said}, by the polygon that stands for the length" if self.by_faces else said
+
+    def _said(self) -> str:
+        """The place, what fails there, and the deadline that is missed or the remedy."""
         where = f"{self.span}: " if self.span else ""
         what = f"`{self.span.text}`" if self.span else "a part of it"
         if self.by_cells is not None:
@@ -117,7 +131,8 @@ class _Analysis:
         found = node.span or requirement.span
         by_cells = self._by_cells(node, first)
         finer = self._finer(node) if by_cells is not None else ""
-        return Blame(found, last, self._earliest(node, first), by_cells, finer)
+        faces = measures(node)
+        return Blame(found, last, self._earliest(node, first), by_cells, finer, faces)
 
     def _by_cells(self, node: Node, step: int) -> Bound | None:
         """The bound of a part that fails by its cells, but may hold at points of them."""
@@ -137,6 +152,8 @@ class _Analysis:
 
     def _failing(self, node: Node, step: int) -> tuple[Node, int, int] | None:
         """The part of a failing node that already fails, from which step, needed until when."""
+        if node.norms is not None:
+            return None  # a length is one predicate, whichever face of it fails
         match node:
             case And():
                 return self._failing_conjunct(node, step)

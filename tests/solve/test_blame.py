@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pytest
@@ -13,6 +14,7 @@ from stlc.explain.conflict import Conflict, explain
 from stlc.ir.nodes import Always, And, Eventually, Linear, Node, Role, Signal
 from stlc.ir.requirement import Requirement
 from stlc.mission import Bound, Mission
+from stlc.sema.warnings import NeverFromStart
 from stlc.solve import blame
 from stlc.solve.blame import Blamed, compile_or_blame
 from stlc.source import Source
@@ -141,3 +143,40 @@ def test_conjunctions_within_conjunctions_are_judged_at_once(
         compile_or_blame(world(node))
     assert found.value.blame.span == FAR.span
     assert len(asked) < 8
+
+
+LENGTH = """
+step 1 s
+horizon 3
+workspace box [0, 10] x [0, 10]
+agent r : single_integrator { start (2.95, 0.6); control |u| <= 0.01 }
+require: always {what}
+"""
+
+
+@pytest.mark.parametrize(
+    "what",
+    ["distance(r, (0, 0)) >= 3.005", "distance(r, (4.02, 3.9)) <= 3.5", "norm(r.x, r.y) >= 3.005"],
+)
+def test_a_length_that_only_its_polygon_rules_out_is_told_from_a_true_one(what: str) -> None:
+    mission = loads(LENGTH.replace("{what}", what))
+    assert not [w.code for w in mission.warnings if w.code == "W1010"]
+    with pytest.raises(Blamed, match="by the polygon that stands for the length"):
+        compile_or_blame(mission)
+    found = explain(mission)
+    assert isinstance(found, Conflict)
+    assert found.by_faces
+
+
+def test_a_true_conflict_speaks_of_no_polygon() -> None:
+    mission = loads(LENGTH.replace("{what}", "r.x >= 4"))
+    found = explain(mission)
+    assert isinstance(found, Conflict)
+    assert not found.by_faces
+
+
+def test_a_length_that_is_out_of_reach_is_warned_of_by_its_true_value() -> None:
+    mission = loads(LENGTH.replace("{what}", "distance(r, (0, 0)) >= 3.2"))
+    assert [w.best for w in mission.warnings if isinstance(w, NeverFromStart)] == [
+        pytest.approx(math.hypot(2.95, 0.6) - 3.2)
+    ]
