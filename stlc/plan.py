@@ -52,8 +52,8 @@ class LinkSeries:
     """What a channel gives one pair at the true positions at steps 0..T.
 
     `values` are (T+1,) arrays by quantity, those that the channel has: `distance` [m], `rssi`
-    (mean) and `sigma` (one packet) [dBm, dB], `snr` [dB], `ber`, `prr`, and `cost`, the channel's
-    table at the agents' cells (NaN outside every cell).
+    (mean) and `sigma` (one packet) [dBm, dB], `snr` [dB], `rate` [bit/s], `ber`, `prr`, and `cost`,
+    the channel's table at the agents' cells (NaN outside every cell).
     """
 
     channel: str

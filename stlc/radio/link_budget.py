@@ -130,6 +130,7 @@ class LinkBudget:
     bandwidth, rate  [Hz], [bit/s]: Eb/N0 = SNR + 10 log10(bandwidth / rate); both or neither
     packet           [bytes], for PRR
     sensitivity      [dBm], for `outage`
+    rates            (SNR [dB], bit rate [bit/s]) from which each rate can be sent, both rising
     """
 
     noise_floor: float
@@ -138,6 +139,7 @@ class LinkBudget:
     rate: float | None = None
     packet: float | None = None
     sensitivity: float | None = None
+    rates: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
         if (self.bandwidth is None) != (self.rate is None):
@@ -157,6 +159,12 @@ class LinkBudget:
     def snr(self, rssi: Array) -> Array:
         """SNR [dB] at received strength [dBm]."""
         return np.asarray(rssi - self.noise_floor, dtype=np.float64)
+
+    def throughput(self, rssi: Array) -> Array:
+        """Bit rate [bit/s] at received strength [dBm]: the best that the SNR allows, or 0."""
+        levels = np.array([level for level, _ in self.rates])
+        speeds = np.array([0.0, *(speed for _, speed in self.rates)])
+        return np.asarray(speeds[np.searchsorted(levels, self.snr(rssi), side="right")])
 
     def ber(self, rssi: Array) -> Array:
         """BER at received strength [dBm]. Raises RadioError without a modulation."""

@@ -9,6 +9,7 @@ from dataclasses import replace
 from stlc.diagnostics import Diagnostic
 from stlc.mission import Array
 from stlc.sema import clock, link_calls, networks, scalars
+from stlc.sema.deliveries import delivered
 from stlc.sema.lets import expand
 from stlc.sema.members import flies, point
 from stlc.sema.name_errors import Nonlinear, UnknownName, WrongArity, WrongKind
@@ -261,6 +262,7 @@ def _scale(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
 BUILTINS: dict[str, Builtin] = {
     "abs": _abs,
     "ahead": _ahead,
+    "delivered": delivered,
     "min": _extreme(scalars.minimum),
     "max": _extreme(scalars.maximum),
     "norm1": _norm1,

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from math import nan
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from stlc.mission import Array, Bound, Channel
 from stlc.sema import props, units
+from stlc.sema.budgets import link_budget
 from stlc.sema.channel_data import FitShape, conditioned, fitted, read_table, sample_source
 from stlc.sema.channel_errors import BadChannel, RayleighWithFading
+from stlc.sema.channel_reader import Reader
 from stlc.sema.costs import pairs_of
 from stlc.sema.files import Files
 from stlc.sema.heights import check_samples, height_range
 from stlc.sema.link_calls import missing
-from stlc.sema.number_errors import OutOfScale
 from stlc.sema.partitions import is_auto, partition
 from stlc.sema.report import Mistake, Reported
 from stlc.sema.scope import Scope
-from stlc.sema.units import Unit
 from stlc.sema.values import ChannelName
 from stlc.sema.walls import as_radio, known_losses, walls_of
 from stlc.sema.warnings import PaperCost
@@ -33,75 +32,11 @@ PROPERTIES = (
     "path_loss", "L0", "n", "d0", "fading", "deviation", "shadowing", "length", "kernel",
     "samples", "noise_floor", "bandwidth", "noise_figure", "modulation", "packet",
     "sensitivity", "rate", "partition", "cost", "bound", "cost_bound", "table", "pairs", "walls",
+    "rates",
 )  # fmt: skip
 COSTS = ("inv_snr", "etx", "neg_log_prr", "outage", "neg_rssi", "paper_inv_rssi")
-MODULATIONS = (
-    "bpsk", "qpsk", "dbpsk", "coherent_fsk", "noncoherent_fsk", "oqpsk_802_15_4",
-    "rayleigh_bpsk", "rayleigh_dbpsk", "rayleigh_noncoherent_fsk",
-)  # fmt: skip
 KERNELS = ("symmetrised", "paper_min")
 BOUNDS = tuple(b.value for b in Bound)
-_LEVEL = (-1000.0, 1000.0)  # dB; 10^(x/10) overflows at 3082
-_LENGTH = (1e-6, 1e9)  # m; quotients of a distance and a length, and their squares, stay finite
-_SCALES = {
-    "L0": _LEVEL, "noise_floor": _LEVEL, "noise_figure": _LEVEL, "sensitivity": _LEVEL,
-    "n": (-100.0, 100.0), "length": _LENGTH, "d0": _LENGTH,
-    "fading": (0.0, 1e4), "shadowing": (0.0, 1e4), "deviation": (0.0, 1e3),
-    "bandwidth": (1e-6, 1e15), "rate": (1e-6, 1e15), "packet": (0.125, 1e9),
-}  # fmt: skip
-"""Least and greatest positive value of each number, in its unit."""
-
-
-@dataclass(frozen=True, slots=True)
-class Reader:
-    """The properties of one channel, read by kind."""
-
-    block: props.Block
-    scope: Scope
-
-    def number(self, key: str, unit: Unit, default: float | None = None) -> float | None:
-        """A number in the given unit, or the default."""
-        item = self.block.get(key)
-        if item is None:
-            return default
-        value = props.number(item, unit, f"{key} 1 {unit}".strip(), self.scope)
-        return self.in_scale(item, value)
-
-    def variance(self, key: str) -> float:
-        """A variance in dB^2, or a standard deviation in dB; 0 if absent."""
-        item = self.block.get(key)
-        if item is None:
-            return 0.0
-        expr = props.only(item, f"{key} 10 dB^2")
-        scalar = self.scope.constant(expr)
-        if scalar.constant < 0:
-            raise props.bad(item, "can't be negative", f"{key} 10 dB^2")
-        squared = scalar.unit == units.DB
-        value = scalar.constant if squared else self.scope.number(expr, units.DB2)
-        value = self.in_scale(item, value)
-        return value**2 if squared else value
-
-    def in_scale(self, item: ast.Property, value: float) -> float:
-        """The value. Raises Mistake where it is none that the formulas of radio can bear."""
-        least, most = _SCALES[item.key.text]
-        if (value > 0 and not least <= value <= most) or value < -most:
-            name = item.key.text
-            raise Mistake(
-                OutOfScale(span=item.span, name=name, value=value, least=least, most=most)
-            )
-        return value
-
-    def word(self, key: str, choices: tuple[str, ...], default: str) -> str:
-        """One of the words, or the default."""
-        item = self.block.get(key)
-        return default if item is None else props.word(item, choices, f"{key} {choices[0]}")
-
-    def positive(self, key: str, unit: Unit) -> float | None:
-        """A number above 0, or None."""
-        value = self.number(key, unit)
-        if value is not None and value <= 0:
-            raise props.bad(self.block.by_key[key], "must be above 0", f"{key} 1")
-        return value
 
 
 def declare(statement: ast.ChannelDecl, scope: Scope, files: Files) -> None:
@@ -126,7 +61,7 @@ def channel(statement: ast.ChannelDecl, scope: Scope, files: Files) -> Channel:
     model = _model(statement, reader, files)
     check_samples(reader.block, statement.name.text, model, scope)
     cells = _partition(statement, reader, model, scope)
-    budget = _budget(reader) if model is not None else None
+    budget = link_budget(reader) if model is not None else None
     if model is not None and budget is not None:
         _check_fading(reader, model, budget)
     made = Channel(
@@ -221,42 +156,6 @@ def _prior(statement: ast.ChannelDecl, reader: Reader) -> ChannelModel:
         kernel=KernelName(_kernel(reader)),
         deviation=reader.variance("deviation"),
     )
-
-
-def _budget(reader: Reader) -> LinkBudget:
-    """The link budget; a noise floor of NaN is one that nobody gave."""
-    from stlc.radio.link_budget import LinkBudget, Modulation, noise_floor_dbm
-
-    floor = reader.number("noise_floor", units.DBM)
-    bandwidth = reader.positive("bandwidth", units.HERTZ)
-    figure = reader.number("noise_figure", units.DB)
-    rate = reader.positive("rate", units.BIT_RATE)
-    if floor is None and bandwidth is not None and figure is not None:
-        floor = noise_floor_dbm(bandwidth, figure)
-    if rate is not None and bandwidth is None:
-        raise props.bad(reader.block.by_key["rate"], "needs a bandwidth too", "bandwidth 2 MHz")
-    word = reader.word("modulation", MODULATIONS, "")
-    return LinkBudget(
-        noise_floor=nan if floor is None else floor,
-        modulation=Modulation(word) if word else None,
-        bandwidth=bandwidth if rate is not None else None,
-        rate=rate,
-        packet=_packet(reader),
-        sensitivity=reader.number("sensitivity", units.DBM),
-    )
-
-
-def _packet(reader: Reader) -> float | None:
-    """Packet size in bytes; a bare number counts bytes."""
-    item = reader.block.get("packet")
-    if item is None:
-        return None
-    expr = props.only(item, "packet 32 bytes")
-    scalar = reader.scope.constant(expr)
-    size = scalar.constant if scalar.unit is None else reader.scope.number(expr, units.BIT) / 8.0
-    if size <= 0:
-        raise props.bad(item, "must be above 0", "packet 32 bytes")
-    return reader.in_scale(item, size)
 
 
 def _check_fading(reader: Reader, model: ChannelModel, budget: LinkBudget) -> None:

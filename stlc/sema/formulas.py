@@ -23,6 +23,7 @@ from stlc.record import changed
 from stlc.sema import clock, link_calls, networks
 from stlc.sema.between import between_steps
 from stlc.sema.compare import Operator, at_least_zero, compare, is_condition, is_integer
+from stlc.sema.deliveries import compare_delivery
 from stlc.sema.membership import membership
 from stlc.sema.name_errors import NotNegatable, WrongKind
 from stlc.sema.quantifiers import instances
@@ -32,7 +33,18 @@ from stlc.sema.scope import Scope, as_scalar
 from stlc.sema.signals import ByTheClock, timed
 from stlc.sema.space_errors import NotInSpace
 from stlc.sema.unit_errors import LevelAgainstRatio
-from stlc.sema.values import Chance, Env, Items, Place, Radio, Scalar, Separation, Tally, Value
+from stlc.sema.values import (
+    Chance,
+    Delivery,
+    Env,
+    Items,
+    Place,
+    Radio,
+    Scalar,
+    Separation,
+    Tally,
+    Value,
+)
 from stlc.sema.warnings import EmptyInequality
 from stlc.source import Span
 from stlc.syntax import ast
@@ -195,6 +207,8 @@ def _compare(
         return link_calls.compare_chance(left, operator, right, spans, env.positive)
     if isinstance(left, Tally) or isinstance(right, Tally):
         return networks.compare_count(left, operator, right, spans, scope)
+    if isinstance(left, Delivery) or isinstance(right, Delivery):
+        return compare_delivery(left, operator, right, spans, scope)
     if isinstance(left, Separation) and isinstance(right, Items):
         return per_axis(left, operator, right, span, env)
     if isinstance(left, Radio | Place) and isinstance(right, Radio | Place):

@@ -47,15 +47,21 @@ USAGE = {
 
 def quality(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:
     """`rssi(a, b)` and its like; a channel may be named third."""
-    name = expr.function.text
+    quantity = Quantity(expr.function.text)
+    return Scalar(terms=((quality_of(expr, args, quantity, scope), 1.0),),
+                  unit=QUANTITY_UNITS[quantity])  # fmt: skip
+
+
+def quality_of(
+    expr: ast.Call, args: tuple[Value, ...], quantity: Quantity, scope: Scope
+) -> LinkAtom:
+    """A quality of the link between two ends. Raises Mistake where the channel doesn't tell it."""
     if len(args) not in (2, 3):
-        raise Mistake(_arity(expr, f"{name}(a, b)"))
-    quantity = Quantity(name)
+        raise Mistake(_arity(expr, f"{expr.function.text}(a, b)"))
     ends = _ends(expr, args[:2])
     channel = _which(args[2] if len(args) == 3 else None, expr, scope)
     check_quantity(scope.channels[channel], quantity, expr.span)
-    atom = LinkAtom(channel, quantity, *ends)
-    return Scalar(terms=((atom, 1.0),), unit=QUANTITY_UNITS[quantity])
+    return LinkAtom(channel, quantity, *ends)
 
 
 def cost(expr: ast.Call, args: tuple[Value, ...], scope: Scope) -> Value:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from stlc.ir.nodes import Role, Signal
 from stlc.mission import Agent, Array, Station
+from stlc.sema.deliveries import windowed
 from stlc.sema.name_errors import NoPosition, UnknownMember, WrongKind
 from stlc.sema.report import Mistake, suggested_fix, suggestion
 from stlc.sema.scope import Scope
 from stlc.sema.unit_errors import WrongUnit
 from stlc.sema.units import METRE, Unit, parse_unit
-from stlc.sema.values import Env, Items, Members, Place, Radio, Scalar, Value, describe
+from stlc.sema.values import Delivery, Env, Items, Members, Place, Radio, Scalar, Value, describe
 from stlc.source import Span
 from stlc.syntax import ast
 
@@ -152,6 +153,8 @@ def _metres(scalar: Scalar, span: Span) -> Scalar:
 def index(expr: ast.Index, env: Env, scope: Scope) -> Value:
     """A member of a family (by its number) or of a vector of signals (from 0)."""
     base = scope.value(expr.base, env)
+    if isinstance(base, Delivery):
+        return windowed(base, expr, env, scope)
     if isinstance(base, Members | Items) and len(expr.indices) == 1:
         return _member(base, scope.whole(expr.indices[0], env), expr.span)
     hint = "families `uav[1]` and vectors `r1.u[0]` can be indexed"

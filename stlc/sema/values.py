@@ -108,6 +108,15 @@ class Tally:
 
 
 @dataclass(frozen=True, slots=True)
+class Delivery:
+    """`delivered(a, b)[2, 8]`, before it is compared with an amount; `window` None: all steps."""
+
+    channel: str
+    ends: tuple[str, str]
+    window: tuple[int, int] | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Place:
     """A region or an obstacle."""
 
@@ -198,6 +207,7 @@ Value = (
     | Truth
     | Chance
     | Tally
+    | Delivery
     | Place
     | Radio
     | Items
@@ -234,6 +244,8 @@ def describe(value: Value) -> str:
             return "a probability"
         case Tally():
             return "a count"
+        case Delivery():
+            return "an amount that is delivered"
         case Place(shape=shape):
             return f"the {type(shape).__name__.lower()} `{shape.name}`"
         case Radio(thing=thing):

@@ -196,6 +196,8 @@ def _signal(channel: Channel, pair: Pair, true: TrueModel) -> dict[str, Array]:
     from stlc.radio.averages import average
 
     values["snr"] = budget.snr(found.mean)
+    if budget.rates:
+        values["rate"] = budget.throughput(found.mean)
     if budget.modulation is not None:
         values["ber"] = average(budget.ber, found.mean, found.sigma)
         if budget.packet is not None:
