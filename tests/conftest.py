@@ -20,7 +20,8 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
 # Processes of their own, whole searches, quadratures: a third of the tests, three quarters of the
 # processor time (350 s; what is left takes a minute of it).
 SLOW = (
-    "backends/test_race.py", "bench", "cli", "docs", "milp/tables", "missions",
+    "backends/test_race.py", "bench", "cli", "docs", "front/test_plan", "lsp/test_server",
+    "milp/tables", "missions", "plot/test_panels",
     "radio/test_averages", "solve/bounders", "solve/test_link_search", "solve/test_link_kinds",
     "test_wheel.py", "verify/test_continuous_truth", "verify/test_definition", "verify/test_peers",
 )  # fmt: skip
