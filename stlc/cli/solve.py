@@ -50,6 +50,7 @@ class _Words:
     gap: float
     threads: int | None
     seed: int | None
+    cluster: str | None
     start: Path | None
     shift: int
     option: tuple[str, ...]
@@ -79,8 +80,10 @@ class _Words:
 @click.option("--gap", type=Amount(min=0), default=1e-4, show_default=True,
               help="Relative distance from the optimum that is good enough.")  # fmt: skip
 @click.option(
-    "--threads", type=click.IntRange(min=1), help="Of the solver; else one, so that plans repeat."
+    "--threads", type=click.IntRange(min=1), help="Of the solver, processes of searches; else one."
 )
+@click.option("--cluster", metavar="ADDRESS",
+              help="Small solves of searches run on a dask.distributed cluster.")  # fmt: skip
 @click.option("--seed", type=click.IntRange(min=0), help="Of the solver's random choices.")
 @click.option("--start", type=click.Path(path_type=Path), help="A plan to start from.")
 @click.option("--shift", type=click.IntRange(min=0), default=0, help="Shift the start by steps.")
@@ -198,7 +201,7 @@ def _settings(mission: Mission, given: _Words) -> SolveSettings:
     return SolveSettings(
         given.backend, options, given.strategy, given.time_limit, given.gap,
         given.threads, given.seed, start, given.confirm, given.output,
-        parse_solver_options(given.option), GRACE,
+        parse_solver_options(given.option), GRACE, given.cluster,
     )  # fmt: skip
 
 

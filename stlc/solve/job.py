@@ -87,8 +87,9 @@ class Job:
             text = f"{self.backend.name} hands over no plan before it ends"
             self.listen(DiagnosticEvent("note", f"{text}: none can be saved on the way"))
         name, compiled, backend = self.settings.strategy, self.compiled, self.backend
+        cluster = self.settings.cluster
         return self._supervise(
-            lambda asked: run_strategy(name, compiled, backend, asked), self._options()
+            lambda asked: run_strategy(name, compiled, backend, asked, cluster), self._options()
         )
 
     def _supervise(

@@ -21,7 +21,8 @@ class SolveSettings:
     `strategy` "auto" may bound and search ahead of the solver, "milp" is one plain solve.
     `save_to` is kept up to date with the best verified plan while the solver works. `grace` [s]
     is what a solver may overrun its time limit, or a wish to stop, before it is left behind in its
-    thread; None waits for it.
+    thread; None waits for it. `threads` are those of the solver, and the processes that make the
+    small solves of searches; `cluster` is the address of one that makes these instead.
     """
 
     backend: str = "highs"
@@ -36,6 +37,7 @@ class SolveSettings:
     save_to: Path | None = None
     extra: dict[str, object] = field(default_factory=dict)
     grace: float | None = None
+    cluster: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

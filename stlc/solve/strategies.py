@@ -28,6 +28,7 @@ from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
 from stlc.mission import Mission, TermKind
 from stlc.solve import applies, tuning
+from stlc.solve.crew.crew import crew_of
 from stlc.solve.strategy import Strategy, Work
 
 ENTRY_POINTS = "stlc.strategies"
@@ -35,10 +36,17 @@ ENTRY_POINTS = "stlc.strategies"
 
 
 def run_strategy(
-    name: str, compiled: Compiled, backend: Backend, options: SolveOptions
+    name: str,
+    compiled: Compiled,
+    backend: Backend,
+    options: SolveOptions,
+    cluster: str | None = None,
 ) -> Solution:
-    """Solve by the strategies of that name (`strategies_named`). SolverError as the backend."""
-    return run_strategies(strategies_named(name), Work.of(compiled, backend, options))
+    """Solve by the strategies of that name (`strategies_named`); small solves of searches are made
+    by as many processes as there are to be threads, or on the cluster of that address. SolverError
+    as the backend, or when the cluster can't be reached."""
+    with crew_of(options.workers, cluster) as crew:
+        return run_strategies(strategies_named(name), Work.of(compiled, backend, options, crew))
 
 
 def run_strategies(strategies: Sequence[Strategy], work: Work) -> Solution:

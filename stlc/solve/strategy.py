@@ -18,6 +18,7 @@ from stlc.backends.base import Backend, Capability, Progress, Solution, SolveOpt
 from stlc.milp.compile import Compiled
 from stlc.mission import TermKind
 from stlc.solve.alone.run import LoneRun
+from stlc.solve.crew.crew import Crew
 from stlc.solve.deadline import Deadline, Stopwatch
 
 LIMITED = Capability.TIME_LIMIT | Capability.GAP
@@ -29,7 +30,8 @@ class Work:
     """A solve under way.
 
     `options.start` is the best point known (n,), found by `finder` ("" for one that was given);
-    `bound` is proven for all plans; `lone` are the agents of a team alone.
+    `bound` is proven for all plans; `lone` are the agents of a team alone; `crew` makes the small
+    solves of searches.
     """
 
     compiled: Compiled
@@ -40,12 +42,15 @@ class Work:
     nodes: int = 0
     finder: str = ""
     lone: tuple[LoneRun, ...] = ()
+    crew: Crew = field(default_factory=Crew)
     watch: Stopwatch = field(default_factory=Stopwatch)
 
     @staticmethod
-    def of(compiled: Compiled, backend: Backend, options: SolveOptions) -> Work:
+    def of(
+        compiled: Compiled, backend: Backend, options: SolveOptions, crew: Crew | None = None
+    ) -> Work:
         """Work that begins now."""
-        return Work(compiled, backend, options, Deadline.of(options))
+        return Work(compiled, backend, options, Deadline.of(options), crew=crew or Crew())
 
     @property
     def x(self) -> Floats | None:

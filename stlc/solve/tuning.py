@@ -132,7 +132,7 @@ class Turns(Record):
     seconds: float = 10.0  # and at most
     all: float = 0.5  # of the time that is left, for all of them
     most: float = 120.0  # s
-    brief: float = 1.0  # s for a good run, before any run will do
+    brief: float = 2.0  # s for a good run, before any run will do
     good: float = 0.1  # gap of one. 0.5: plan of swarm_32 28 % dearer and not earlier
     rough: float = 0.5  # gap: any run will do
     fine: float = 0.02  # gap of runs beside those that agents have alone

@@ -17,13 +17,15 @@ import numpy as np
 
 from stlc.arrays import Ints
 from stlc.backends.base import Capability, Solution, Status
-from stlc.errors import InfeasibleError, SolverError
+from stlc.errors import InfeasibleError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.milp.model import Block, Model, Origin
 from stlc.solve import tuning
 from stlc.solve.alone.pieces import Pieces
 from stlc.solve.alone.project import project
 from stlc.solve.alone.run import LoneRun, Run
+from stlc.solve.crew.ask import Ask
+from stlc.solve.crew.crew import Job
 from stlc.solve.deadline import Deadline
 from stlc.solve.strategy import Work
 
@@ -48,10 +50,11 @@ def lone_runs(work: Work) -> tuple[LoneRun, ...]:
     found: dict[str, Solution] = {}
     for moment in (deadline.share(tuning.LONE.first), deadline):
         todo = [n for n in alone if n not in found or found[n].status in _OPEN]
-        for k, name in enumerate(todo):
-            limit = moment.share(1.0 / (len(todo) - k), tuning.LONE.seconds)
-            known = found.get(name)
-            found[name] = _better(known, _look(work, alone[name], known, limit))
+        looks = [
+            _look(work, alone[name], found.get(name), moment, len(todo) - k)
+            for k, name in enumerate(todo)
+        ]
+        found |= dict(zip(todo, work.crew.drive(looks), strict=True))
     told = (_told(name, alone[name], found[name]) for name in alone)
     return tuple(one for one in told if one is not None)
 
@@ -68,14 +71,15 @@ def _alone(work: Work, name: str, pieces: Pieces) -> Compiled | None:
         return None  # it shows again, and is told, when the whole mission is solved
 
 
-def _look(work: Work, alone: Compiled, known: Solution | None, moment: Deadline) -> Solution:
-    """A solve of one agent alone, from the point of an earlier one."""
+def _look(
+    work: Work, alone: Compiled, known: Solution | None, moment: Deadline, left: int
+) -> Job[Solution]:
+    """A solve of one agent alone, from the point of an earlier one; `left` of them share the
+    time."""
     start = known.x if known is not None and work.can(Capability.START) else None
-    asked = replace(moment.bind(work.options), gap=0.1 * work.options.gap, start=start)
-    try:
-        return work.backend.solve(alone.model, replace(asked, on_progress=None))
-    except SolverError:
-        return Solution(Status.FAILED)
+    options = replace(work.options, gap=0.1 * work.options.gap, start=start)
+    limit = moment.share(min(work.crew.size / left, 1.0), tuning.LONE.seconds)
+    return _better(known, (yield Ask(alone.model, work.backend, options, limit)))
 
 
 def _better(first: Solution | None, second: Solution) -> Solution:

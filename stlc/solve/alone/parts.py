@@ -20,7 +20,7 @@ from itertools import combinations
 import numpy as np
 
 from stlc.backends.base import Status
-from stlc.errors import InfeasibleError, SolverError
+from stlc.errors import InfeasibleError
 from stlc.ir.nodes import Const, Linear, Node
 from stlc.ir.rewrite import rewrite
 from stlc.milp.compile import Compiled, compile_mission
@@ -30,6 +30,8 @@ from stlc.solve.alone.bounds import safe, with_rows
 from stlc.solve.alone.loosened import loosened
 from stlc.solve.alone.pieces import Pieces
 from stlc.solve.alone.project import project
+from stlc.solve.crew.ask import Ask
+from stlc.solve.crew.crew import Job
 from stlc.solve.deadline import Deadline
 from stlc.solve.strategy import Work
 from stlc.solve.teams.couplings import Couplings
@@ -110,10 +112,13 @@ class Parts:
         whole = any(self.couplings.bound.values())  # loosened, all together are a smaller model
         for size in range(2, len(agents) + whole):
             groups = list(self._groups(agents, size))
-            for k, group in enumerate(groups):
+            many = self.work.crew.size
+            for k in range(0, len(groups), many):
                 if self.deadline.over() or self.work.proven():
                     return self._with_rows()
-                self._solve(group, len(groups) - k)
+                left = -(-(len(groups) - k) // many)
+                jobs = [self._solved(group, left) for group in groups[k : k + many]]
+                self.found += [p for p in self.work.crew.drive(jobs) if p is not None]
                 least = self.work.compiled.model.offset + bound_of(self.found, agents)
                 self.work = self.work.with_bound(least)
                 self.work.report()
@@ -134,18 +139,19 @@ class Parts:
     def _is_tied(self, one: str, other: str) -> bool:
         return other in self.couplings.bound[one] or frozenset((one, other)) in self.meeting
 
-    def _solve(self, group: Group, left: int) -> None:
-        """Bound a group, one of so many that share the time."""
+    def _solved(self, group: Group, left: int) -> Job[Part | None]:
+        """The bound of a group; so many rounds of groups share the time."""
         moment = self.deadline.share(1.0 / left, tuning.PARTS.seconds)
-        asked = replace(moment.bind(self.work.options), start=None, on_progress=None)
+        options = replace(self.work.options, start=None, gap=tuning.PARTS.gap)
         try:
-            made = compile_mission(parted(self.work.compiled, group, self.meeting, self.pieces))
-            team = with_parts(made, self.found)
-            got = self.work.backend.solve(team.model, replace(asked, gap=tuning.PARTS.gap))
-        except (InfeasibleError, SolverError):
-            return  # it shows again, and is told, when the whole mission is solved
-        if got.bound is not None and got.status in _BOUNDED:
-            self.found.append(Part(group, safe(got.bound)))
+            mission = parted(self.work.compiled, group, self.meeting, self.pieces)
+            team = with_parts(compile_mission(mission), self.found)
+        except InfeasibleError:
+            return None  # it shows again, and is told, when the whole mission is solved
+        got = yield Ask(team.model, self.work.backend, options, moment)
+        if got.bound is None or got.status not in _BOUNDED:
+            return None
+        return Part(group, safe(got.bound))
 
     def _with_rows(self) -> Work:
         groups = [part for part in self.found if len(part.agents) > 1]

@@ -62,6 +62,17 @@ class Child:
             pass
         tell(None)
 
+    @property
+    def pid(self) -> int:
+        """Its id."""
+        return self._process.pid
+
+    def send(self, task: object) -> None:
+        """Give one more task to a process that takes several; nothing where it has died, which
+        `tell` hears of."""
+        with suppress(BrokenPipeError, ValueError):
+            write_message(cast("IO[bytes]", self._process.stdin), task)
+
     def seconds(self) -> float:
         """Since its start."""
         return self._watch.seconds
@@ -126,6 +137,11 @@ def _watch_input() -> None:
     # Not sys.stdin: its lock, held by a daemon thread, would abort an interpreter that ends.
     while os.read(0, 1 << 16):
         continue
+    leave()
+
+
+def leave() -> None:
+    """In the child: end this process with all that it started, and remove its folder."""
     own = Path(tempfile.gettempdir())
     if own.name.startswith("stlc-"):  # made for us by one that is gone
         shutil.rmtree(own, ignore_errors=True)

@@ -10,12 +10,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from stlc.arrays import Floats
-from stlc.backends.base import Backend, Capability, Progress, SolveOptions, Status
-from stlc.errors import InfeasibleError, SolverError
+from stlc.backends.base import Backend, Capability, SolveOptions, Status
+from stlc.errors import InfeasibleError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.solve.alone.bounds import bounded
 from stlc.solve.alone.pieces import Pieces
 from stlc.solve.alone.run import LoneRun, Run
+from stlc.solve.crew.ask import Ask
+from stlc.solve.crew.crew import Crew, Job
 from stlc.solve.deadline import Deadline
 from stlc.solve.mip_start import hold
 from stlc.solve.strategy import Work
@@ -57,24 +59,33 @@ class Answers:
     couplings: Couplings
     pieces: Pieces
     lone: tuple[LoneRun, ...] = ()
+    crew: Crew = field(default_factory=Crew)
 
     @staticmethod
     def of(work: Work) -> Answers:
         """Those of a solve under way."""
         compiled = work.compiled
         couplings, pieces = Couplings.of(compiled), Pieces.of(compiled.mission)
-        return Answers(compiled, work.backend, work.options, couplings, pieces, work.lone)
+        return Answers(
+            compiled, work.backend, work.options, couplings, pieces, work.lone, work.crew
+        )
 
     def find(
         self, free: Sequence[str], runs: Runs, effort: Effort, met: frozenset[str] = frozenset()
     ) -> Answer:
+        """What `finding` finds, at once."""
+        return self.crew.drive([self.finding(free, runs, effort, met)])[0]
+
+    def finding(
+        self, free: Sequence[str], runs: Runs, effort: Effort, met: frozenset[str] = frozenset()
+    ) -> Job[Answer]:
         """Runs of `free` that get along with `runs` of others; with runs of `free` among them,
         better ones. `met` are others to look at from the start."""
         others = {name: run for name, run in runs.items() if name not in free}
         bound = frozenset(b for name in free for b in self.couplings.bound[name])
         met = (met | bound) & others.keys()
         while True:
-            found = self._once(free, {name: others[name] for name in met}, runs, effort)
+            found = yield from self._once(free, {name: others[name] for name in met}, runs, effort)
             if found.runs is None:
                 return replace(found, met=met)
             hit = self._hit(free, {**others, **found.runs}, others.keys() - met)
@@ -86,7 +97,7 @@ class Answers:
         alike = self.couplings.get_along
         return frozenset(o for o in others if not all(alike(name, o, runs) for name in free))
 
-    def _once(self, free: Sequence[str], held: Runs, runs: Runs, effort: Effort) -> Answer:
+    def _once(self, free: Sequence[str], held: Runs, runs: Runs, effort: Effort) -> Job[Answer]:
         """The model of the `free` agents against the runs of `held`, started from `runs`.
 
         An answer without runs is settled only where there is proven to be none.
@@ -94,22 +105,16 @@ class Answers:
         nothing = frozenset[str]()
         if effort.deadline.over():
             return Answer(None, nothing, settled=False)
-        first = _First(effort)
-        asked = replace(
-            self.options, gap=effort.gap, start=None, time_limit=effort.deadline.limit,
-            on_progress=first.see, should_stop=first.stop,
-        )  # fmt: skip
         whole, tables = self.compiled.mission, self.compiled.channels
         mission = against(whole, free, held, tables, pieces=self.pieces)
         try:
             team = compile_mission(mission, CompileOptions(link=self.compiled.link))
-            team = bounded(team, [one for one in self.lone if one.agent in free])
-            start = self._start(team, runs, replace(asked, on_progress=None, gap=0.0))
-            found = self.backend.solve(team.model, replace(asked, start=start))
         except InfeasibleError:
             return Answer(None, nothing, settled=True)
-        except SolverError:
-            return Answer(None, nothing, settled=False)  # one try of several
+        team = bounded(team, [one for one in self.lone if one.agent in free])
+        start = yield from self._start(team, runs, effort)
+        options = replace(self.options, gap=effort.gap, start=start)
+        found = yield Ask(team.model, self.backend, options, effort.deadline, effort.any_run)
         settled = found.status in (Status.OPTIMAL, Status.INFEASIBLE)
         if found.x is None:
             return Answer(None, nothing, settled)
@@ -117,24 +122,13 @@ class Answers:
         gain = 0.0 if start is None else team.model.objective(start) - team.model.objective(found.x)
         return Answer({n: (made.states[n], made.inputs[n]) for n in free}, nothing, settled, gain)
 
-    def _start(self, team: Compiled, runs: Runs, asked: SolveOptions) -> Floats | None:
+    def _start(self, team: Compiled, runs: Runs, effort: Effort) -> Job[Floats | None]:
         """A point (n,) with the known runs, if they are of all the team."""
         able = Capability.START in self.backend.capabilities
         if not able or not runs.keys() >= team.states.keys():
             return None
         fixed = hold(team, {name: runs[name] for name in team.states}, _LOOSE)
-        return None if fixed is None else self.backend.solve(fixed, asked).x
-
-
-@dataclass(slots=True)
-class _First:
-    """Stops at the first point where any will do."""
-
-    effort: Effort
-    seen: bool = field(default=False)
-
-    def see(self, progress: Progress) -> None:
-        self.seen = self.seen or progress.incumbent is not None
-
-    def stop(self) -> bool:
-        return self.effort.deadline.over() or (self.effort.any_run and self.seen)
+        if fixed is None:
+            return None
+        options = replace(self.options, gap=0.0, start=None)
+        return (yield Ask(fixed, self.backend, options, effort.deadline)).x

@@ -51,7 +51,7 @@ def _part(work: Work, group: Sequence[str], left: int) -> Work | None:
         return None
     options = work.deadline.share(1.0 / left).bind(work.options)
     options = replace(options, start=None, on_progress=None)
-    return Work.of(compiled, work.backend, options)
+    return Work.of(compiled, work.backend, options, work.crew)
 
 
 def _solved(part: Work) -> Solution:

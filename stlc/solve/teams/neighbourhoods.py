@@ -17,8 +17,9 @@ import numpy as np
 
 from stlc.solve import tuning
 from stlc.solve.alone.run import LoneRun, Run
+from stlc.solve.crew.crew import Job
 from stlc.solve.deadline import Deadline
-from stlc.solve.teams.answers import Answers, Effort
+from stlc.solve.teams.answers import Answer, Answers, Effort
 
 Free = tuple[str, ...]
 _SAME = 1e-4  # of states and inputs: runs are held to within a tenth of that
@@ -50,9 +51,22 @@ class Neighbourhoods:
         self._note(moved)
 
     def sweep(self, size: int) -> bool:
-        """Free so many agents at a time; whether any of them bettered the plan."""
-        groups = list(self._groups(size))
-        return any([self._better(free, len(groups) - k) for k, free in enumerate(groups)])
+        """Free so many agents at a time; whether any of them bettered the plan.
+
+        Several groups are looked at together where the crew is large. What one of them has bettered
+        is known to those behind it, which are looked at again then: the plan is that of one group
+        after the other."""
+        todo, bettered = list(self._groups(size)), False
+        while todo and not self.deadline.over():
+            todo = [free for free in todo if self._is_stale(free)]
+            some = todo[: self.answers.crew.size]
+            jobs = [self._looking(free, len(todo) - k) for k, free in enumerate(some)]
+            for free, answer in zip(some, self.answers.crew.drive(jobs), strict=True):
+                todo.remove(free)
+                if self._takes(free, answer):
+                    bettered = True
+                    break
+        return bettered
 
     def _groups(self, size: int) -> Iterator[Free]:
         """Single agents, or groups that meet, with something to spare; those with the most first,
@@ -76,16 +90,16 @@ class Neighbourhoods:
         near = {*free, *self._met.get(free, ())}
         return not seen or any(self._changed.get(name, 0) > seen for name in near)
 
-    def _better(self, free: Free, left: int) -> bool:
-        """Take the best that the agents `free` can do against the others, if it is better; `left`
-        groups share the time."""
-        if self.deadline.over() or not self._is_stale(free):
-            return False
-        near, part = tuning.NEAR, self.deadline.left / (1 + left)
+    def _looking(self, free: Free, left: int) -> Job[Answer]:
+        """The best that the agents `free` can do against the others; `left` groups share the
+        time."""
+        near, part = tuning.NEAR, self.deadline.left * self.answers.crew.size / (1 + left)
         moment = self.deadline.within(min(max(part, near.least), near.seconds))
-        answer = self.answers.find(
-            free, self.runs, Effort(moment, self.gap), self._in_the_way(free)
-        )
+        effort, met = Effort(moment, self.gap), self._in_the_way(free)
+        return (yield from self.answers.finding(free, self.runs, effort, met))
+
+    def _takes(self, free: Free, answer: Answer) -> bool:
+        """Whether an answer betters the plan, which has it then."""
         self._met[free] = answer.met
         self._seen[free] = self._changes
         if answer.runs is None or not answer.gain > self.worth:

@@ -15,6 +15,7 @@ import numpy as np
 
 from stlc.arrays import Floats
 from stlc.solve import tuning
+from stlc.solve.crew.crew import Job
 from stlc.solve.deadline import Deadline
 from stlc.solve.strategy import Work
 from stlc.solve.teams.answers import Answer, Answers, Effort, Runs
@@ -68,19 +69,22 @@ class Turns:
             runs |= found
         return runs
 
-    def _any(self, free: Sequence[str], runs: Runs, met: frozenset[str] = frozenset()) -> Answer:
+    def _any(self, free: Sequence[str], runs: Runs) -> Answer:
+        return self.answers.crew.drive([self._finding(free, runs, frozenset())])[0]
+
+    def _finding(self, free: Sequence[str], runs: Runs, met: frozenset[str]) -> Job[Answer]:
         """A good run for an agent with nobody in its way: ones that wander get into others' way.
         Else, or where that takes long, any run (a good one beside those that agents have alone)."""
         moment = self.deadline.share(tuning.TURNS.share, tuning.TURNS.seconds)
-        rough = not self.alone
+        find, rough = self.answers.finding, not self.alone
         if rough and not met:
             brief = moment.within(tuning.TURNS.brief)
-            answer = self.answers.find(free, runs, Effort(brief, tuning.TURNS.good))
+            answer = yield from find(free, runs, Effort(brief, tuning.TURNS.good))
             if answer.runs is not None or answer.settled:
                 return answer
             met = answer.met
         gap = tuning.TURNS.rough if rough else tuning.TURNS.fine
-        return self.answers.find(free, runs, Effort(moment, gap, rough), met)
+        return (yield from find(free, runs, Effort(moment, gap, rough), met))
 
     def _keeps(self, name: str, runs: Runs) -> bool:
         """Whether an agent's run alone gets along with those that are planned."""
@@ -91,15 +95,21 @@ class Turns:
         return all(couplings.get_along(name, other, with_it) for other in runs)
 
     def _together(self, name: str, runs: Runs, answer: Answer) -> Runs | None:
-        """The agent with one of those that it met planned anew, bound ones before others."""
-        bound = self.answers.couplings.bound[name]
+        """The agent with one of those that it met planned anew, bound ones before others; where
+        several are tried at once, the first of them that did."""
+        bound, crew = self.answers.couplings.bound[name], self.answers.crew
         others = sorted(answer.met, key=lambda o: (o not in bound, list(runs).index(o)))
-        for other in others[: tuning.TURNS.partners]:
-            kept = {n: run for n, run in runs.items() if n != other}
-            found = self._any((name, other), kept, answer.met - {other}).runs
-            if found is not None:
-                return found
+        others = others[: tuning.TURNS.partners]
+        for k in range(0, len(others), crew.size):
+            jobs = [self._joined(name, o, runs, answer) for o in others[k : k + crew.size]]
+            made = next((a.runs for a in crew.drive(jobs) if a.runs is not None), None)
+            if made is not None:
+                return made
         return None
+
+    def _joined(self, name: str, other: str, runs: Runs, answer: Answer) -> Job[Answer]:
+        kept = {n: run for n, run in runs.items() if n != other}
+        return self._finding((name, other), kept, answer.met - {other})
 
 
 def plan_in_turns(work: Work) -> Work:
