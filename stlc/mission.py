@@ -19,6 +19,7 @@ from stlc.places import Obstacle, Polytope, Region, Wall
 from stlc.preferences import Preference
 from stlc.sense import Sense
 from stlc.source import Source, Span
+from stlc.tubes import Tube
 
 if TYPE_CHECKING:
     from stlc.diagnostics import Diagnostic
@@ -148,6 +149,7 @@ class Agent:
     mass: float = 1.0
     start_noise: Array | None = None
     input_noise: Array | None = None
+    tube: Tube | None = None  # of one that is disturbed
     span: Span | None = None
     starts: tuple[Array, Array] | None = None
 

@@ -122,7 +122,7 @@ def _room(module: str) -> str:
     parts = {
         "certificate": "plan", "plan_json": "plan", "plan_reader": "plan",
         "places": "mission", "preferences": "mission",
-        "charges": "mission",
+        "charges": "mission", "tubes": "mission",
     }  # fmt: skip
     return parts.get(room, room)  # rooms in several files
 

@@ -14,6 +14,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from stlc.analysis.ranges import Ranges
+from stlc.analysis.tubes import spreads
 from stlc.arrays import Floats
 from stlc.bezier import curve
 from stlc.milp.context import Context
@@ -39,16 +40,19 @@ def add_workspace(ctx: Context, agent: Agent) -> None:
 def _at_samples(ctx: Context, agent: Agent, workspace: Polytope, position: Floats) -> None:
     """Rows that keep the position at each step inside every face that its range crosses."""
     ranges, x = ctx.ranges[agent.name], ctx.states[agent.name]
+    found = spreads(agent, ctx.mission.horizon)
     for normal, offset in zip(workspace.normals, workspace.offsets, strict=True):
         low, high = ranges.position_lower[:, :2], ranges.position_upper[:, :2]
         most = np.maximum(low * normal, high * normal).sum(axis=1)
-        steps = np.flatnonzero(most > offset + 1e-9)
+        row = normal @ position
+        room = np.zeros(len(x)) if found is None else found[0] @ np.abs(row)
+        steps = np.flatnonzero(most > offset - room + 1e-9)
         if len(steps):
-            row = normal @ position
             used = np.flatnonzero(row)
             ctx.builder.add_dense_rows(
-                f"workspace_{agent.name}", x[np.ix_(steps, used)], row[used], -np.inf, offset
-            )
+                f"workspace_{agent.name}", x[np.ix_(steps, used)], row[used], -np.inf,
+                offset - room[steps],
+            )  # fmt: skip
 
 
 def _between(agent: Agent, position: Floats, step: float) -> Iterator[Floats]:

@@ -22,6 +22,7 @@ from stlc.passes import (
     merge,
     nnf,
     stages,
+    tubes,
     unroll,
 )
 from stlc.passes.base import Pass, Program
@@ -42,6 +43,7 @@ PIPELINE: tuple[Pass, ...] = (
     absorb.PASS,
     cse.PASS,
     unroll.PASS,
+    tubes.PASS,
     _again(fold.PASS, "fold-steps", "unroll"),
     decide.PASS,
     _again(flatten.PASS, "flatten-steps", "unroll"),

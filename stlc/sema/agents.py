@@ -17,6 +17,7 @@ from stlc.sema.report import Mistake, Reported, suggested_fix, suggestion
 from stlc.sema.scope import EMPTY, Scope
 from stlc.sema.shape_errors import FrozenAtStart, MissingStart, TurnRateNeeds
 from stlc.sema.shapes import Shaper, near
+from stlc.sema.tubes import tube_of
 from stlc.sema.units import KILOGRAM, METRE, SPEED
 from stlc.sema.values import Env, Items, Radio, Scalar
 from stlc.sema.warnings import OneSided
@@ -24,7 +25,7 @@ from stlc.syntax import ast
 
 PROPERTIES = (
     "start", "control", "speed", "state", "turn_rate", "mass", "effort_state", "effort_input",
-    "integer", "start_noise", "control_noise",
+    "integer", "start_noise", "control_noise", "disturbance",
 )  # fmt: skip
 _BOUNDING = ("control", "speed", "state")
 MOST_MEMBERS = 10_000
@@ -95,6 +96,7 @@ def agent(statement: ast.AgentDecl, name: str, env: Env, scope: Scope) -> Agent:
         mass=mass,
         start_noise=noise.of_start(block.get("start_noise"), base, env, scope),
         input_noise=noise.of_inputs(block.get("control_noise"), base, env, scope),
+        tube=tube_of(block.get("disturbance"), base, block, env, scope),
         span=statement.name.span,
     )
     first = block.get("start")

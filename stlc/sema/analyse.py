@@ -33,6 +33,7 @@ from stlc.sema.shapes import Shaper
 from stlc.sema.signals import ByTheClock, check_known, read_signals
 from stlc.sema.statements import of, single
 from stlc.sema.time_errors import BadStep
+from stlc.sema.tubes import check_tubes
 from stlc.sema.unit_errors import UnknownUnit
 from stlc.sema.units import SECOND, UnknownUnitName, parse_unit
 from stlc.sema.values import Env
@@ -104,6 +105,7 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
     requirements, wishes = demands.carried_on(statements, requirements, wishes, steps, shaper)
     check_known(steps, scope, report)
     swept = holds_between(space, formulas, scope)
+    check_tubes((f.formula for f in formulas), None if space is None else space.span, swept, scope)
     wishes = demands.finished(wishes, terms, requirements, steps, scope)
     mission = Mission(
         source=file.source, step=scope.step, horizon=steps, workspace=scope.workspace,

@@ -47,7 +47,19 @@ def _given(
 ) -> Array:
     """The numbers of a property: one for each of `units`, or one for each of the entries `one`,
     which a single number stands for. Raises Mistake."""
-    expr = props.only(item, usage)
+    return size_of(item, props.only(item, usage), units, one, env, scope, usage)
+
+
+def size_of(
+    item: ast.Property,
+    expr: ast.Expr,
+    units: list[Unit | None],
+    one: list[int],
+    env: Env,
+    scope: Scope,
+    usage: str,
+) -> Array:
+    """The numbers of an expression, none below 0, as `_given`. Raises Mistake."""
     value = scope.value(expr, env)
     if isinstance(value, Scalar) and one:
         width = units[one[0]] if len({units[k] for k in one}) == 1 else None
@@ -57,5 +69,5 @@ def _given(
         short = count == len(one) < len(units)
         size = props.numbers(expr, scope, [METRE] * count if short else units, env)
     if (size < 0).any():
-        raise props.bad(item, "is a standard deviation, not below 0", usage)
+        raise props.bad(item, "is not below 0", usage)
     return size

@@ -1,8 +1,9 @@
 """Runs that differ from the plan by noise at the start and in the inputs.
 
-A plan is carried out as it stands (open loop): with e(0) ~ N(0, diag(start_noise^2)) and
-w(t) ~ N(0, diag(input_noise^2)), all independent, x(t) is the plan's plus e(t),
-e(t+1) = A e(t) + B w(t), and u(t) the plan's plus w(t).
+An agent with a `disturbance` is pushed by it, evenly within its bounds or with all of it, and
+applies the feedback that its plan reckons with. Any other plan is carried out as it stands (open
+loop): with e(0) ~ N(0, diag(start_noise^2)) and w(t) ~ N(0, diag(input_noise^2)), all independent,
+x(t) is the plan's plus e(t), e(t+1) = A e(t) + B w(t), and u(t) the plan's plus w(t).
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ from stlc.plan import Plan, Run
 
 Array = NDArray[np.float64]
 
+_HARD = 0.5  # share of pushes with all that a disturbance has, in either direction
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Runs:
@@ -31,7 +34,8 @@ class Runs:
 
 def is_noisy(agent: Agent) -> bool:
     """Whether the mission declares any noise of this agent."""
-    return any(s is not None and s.any() for s in (agent.start_noise, agent.input_noise))
+    noises = (agent.start_noise, agent.input_noise)
+    return agent.tube is not None or any(s is not None and s.any() for s in noises)
 
 
 def draw_runs(mission: Mission, plan: Plan, draws: int, rng: np.random.Generator) -> Runs:
@@ -60,6 +64,15 @@ def _run(agent: Agent, run: Run, draws: int, rng: np.random.Generator) -> tuple[
     off = np.empty((len(states), n, draws))
     off[0] = start[:, None] * rng.standard_normal((n, draws))
     noise = shake[:, None] * rng.standard_normal((len(inputs), m, draws))
-    for t, push in enumerate(noise):
-        off[t + 1] = model.A @ off[t] + model.B @ push
-    return states + off, inputs + noise
+    if agent.tube is None:
+        for t, push in enumerate(noise):
+            off[t + 1] = model.A @ off[t] + model.B @ push
+        return states + off, inputs + noise
+    commanded = np.empty(noise.shape)
+    drawn = rng.uniform(-1.0, 1.0, noise.shape)
+    for t, push in enumerate(noise + agent.tube.bound[:, None] * np.where(
+        rng.random(noise.shape) < _HARD, np.sign(drawn), drawn
+    )):  # fmt: skip
+        commanded[t] = agent.tube.gain @ off[t]
+        off[t + 1] = model.A @ off[t] + model.B @ (commanded[t] + push)
+    return states + off, inputs + commanded

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from itertools import combinations
 
 from stlc.channels import ChannelTables
@@ -26,6 +27,7 @@ from stlc.verify.shapes import Bodies
 from stlc.verify.subject import Subject, make_subject, stale
 from stlc.verify.together import passages
 from stlc.verify.trace import Trace
+from stlc.verify.tubes import half_widths, spread_of
 from stlc.verify.workspace import workspace_notes, workspace_violations
 
 
@@ -39,7 +41,6 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
     the true positions too: what fails only there is in `approximate`, unless the channel's bound
     promised to be rigorous. Of steps carried out already only what requirements say is judged.
     `tables` saves making a channel's tables again; grids that channels chose are the plan's.
-
     Raises UsageError when the plan doesn't fit the mission's shape.
     """
     mission = on_grids(mission, plan.grids)
@@ -47,8 +48,9 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
     cells = CellModel(subject)
     true = TrueModel(subject, cells)
     on_cells = since(plan.executed, true.robustness, cells.robustness)
-    sampled = Trace(mission.horizon + 1, subject.signals, on_cells)
-    true_links = Trace(mission.horizon + 1, subject.signals, true.robustness)
+    off = spread_of(mission, plan.executed)
+    sampled = Trace(mission.horizon + 1, subject.signals, on_cells, spread=off)
+    true_links = replace(sampled, link=true.robustness)
     states = state_paths(mission, plan.runs)
     motion = placed(mission, states)
     chains = {name: Chain.of(path) for name, path in motion.items()}
@@ -109,6 +111,12 @@ def _notes(subject: Subject, motion: Mapping[str, Path]) -> Iterator[str]:
     if chosen := shapes(subject.mission):
         yield f"links are judged cell by cell, {text(chosen)}, chosen by `partition auto`"
     yield from norm_notes(subject)
+    for name, agent in subject.mission.agents.items():
+        widths = half_widths(agent, subject.mission.horizon)
+        if widths is not None:
+            ends = zip(agent.dynamics.states, widths[0].max(axis=0), strict=True)
+            listed = ", ".join(f"{state} {width:.3g}" for state, width in ends)
+            yield f"{name} stays within {listed} of the plan, whatever its disturbance does"
     yield from workspace_notes(subject.mission, motion, subject.plan.executed)
     models = {name: agent.dynamics for name, agent in subject.mission.agents.items()}
     if subject.plan.executed:

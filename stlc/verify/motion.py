@@ -12,6 +12,7 @@ from stlc.plan import Run
 from stlc.source import Span
 from stlc.verify.report import Violation
 from stlc.verify.subject import TOLERANCE, Array, Subject
+from stlc.verify.tubes import half_widths
 
 Describe = Callable[[int, int], str]
 
@@ -28,12 +29,16 @@ def motion_violations(subject: Subject) -> Iterator[Violation]:
         yield from _dynamics(agent, ahead, past)
         if not past:
             yield from _start(agent, run)
-        yield from _bounds(agent, run, past)
+        room = half_widths(agent, subject.mission.horizon - past)
+        yield from _bounds(agent, run, past, room)
         yield from _integers(agent, ahead, past)
+        states, inputs = ahead.states[1:], ahead.inputs
+        if room is not None:  # the corner of the tube that is furthest out
+            states, inputs = np.abs(states) + room[0][1:], np.abs(inputs) + room[1]
         for bound in agent.state_norms:
-            yield from _norm(agent, bound, ahead.states[1:], run.state_names, past + 1)
+            yield from _norm(agent, bound, states, run.state_names, past + 1)
         for bound in agent.input_norms:
-            yield from _norm(agent, bound, ahead.inputs, run.input_names, past)
+            yield from _norm(agent, bound, inputs, run.input_names, past)
         yield from _turn_rate(agent, ahead, past)
 
 
@@ -93,17 +98,23 @@ def _start(agent: Agent, run: Run) -> Iterator[Violation]:
     yield from _worst(gap, _slack(agent.start), "start", agent, describe)
 
 
-def _bounds(agent: Agent, run: Run, past: int) -> Iterator[Violation]:
-    """States and inputs beyond their bounds, the worst of each bound."""
+def _bounds(
+    agent: Agent, run: Run, past: int, room: tuple[Array, Array] | None
+) -> Iterator[Violation]:
+    """States and inputs beyond their bounds, the worst of each bound; `room` is what they may be
+    off by on top."""
     early = past + 1 if past else 0  # the state that was measured is none that a plan chose
+    states, inputs = run.states[early:], run.inputs[past:]
+    off = (0.0 * states, 0.0 * inputs) if room is None else (room[0][early - past :], room[1])
     boxes = (
-        ("state bound", run.states[early:], agent.state_lower, agent.state_upper,
-         run.state_names, early),
-        ("input bound", run.inputs[past:], agent.input_lower, agent.input_upper,
-         run.input_names, past),
+        ("state bound", states, agent.state_lower, agent.state_upper, run.state_names, early,
+         off[0]),
+        ("input bound", inputs, agent.input_lower, agent.input_upper, run.input_names, past,
+         off[1]),
     )  # fmt: skip
-    for kind, values, lower, upper, names, first in boxes:
+    for kind, nominal, lower, upper, names, first, width in boxes:
         for sign, limit, word in ((1.0, upper, "above"), (-1.0, lower, "below")):
+            values = nominal + sign * width
 
             def describe(
                 step: int, column: int, values: Array = values, limit: Array = limit,

@@ -99,7 +99,7 @@ class Evaluator:
         if id(node) not in self._given:
             self._alive.append(node)
             value = self._override(node) if self._override else None
-            if value is None and isinstance(node, Timed):
+            if value is None and isinstance(node, Timed) and not self.trace.spread:
                 value = by_the_clock(node.cases, self.trace, self._scaled)
             self._given[id(node)] = value
         return self._given[id(node)]
@@ -114,7 +114,8 @@ class Evaluator:
             return
         parts = [self._class[id(child), sign] for child, sign in _parts(node, positive)]
         own = tuple(k for k in node.key if not isinstance(k, Node))
-        key = (type(node), node.norms, own, *parts, isinstance(node, Link) and positive)
+        told = isinstance(node, Link) or (bool(self.trace.spread) and not node.children)
+        key = (type(node), node.norms, own, *parts, told and positive)
         number = self._number.get(key)
         if number is None:
             number = self._number[key] = len(self._values)
@@ -122,7 +123,7 @@ class Evaluator:
         self._class[id(node), positive] = number
 
     def _value(self, node: Node, parts: list[int], positive: bool) -> Array:
-        if node.norms is not None and not self._faces:
+        if node.norms is not None and not self._faces and not self.trace.spread:
             return self._scaled(_lengths(node.norms, self.trace), node.norms.unit)
         value = _value(node, [self._values[k] for k in parts], self.trace, positive)
         return self._scaled(value, unit(node)) if isinstance(node, Linear | Link) else value
@@ -186,7 +187,8 @@ def _value(node: Node, parts: list[Array], trace: Trace, positive: bool) -> Arra
         case Const(value=value):
             return trace.filled(trace.length, np.inf if value else -np.inf)
         case Linear():
-            return _linear(node, trace)
+            found = _linear(node, trace)
+            return np.asarray(found - trace.off(node.terms, positive)) if trace.spread else found
         case Link():
             return _link(node, trace, positive)
         case Timed():

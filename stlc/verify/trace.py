@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -24,6 +24,9 @@ class Trace:
     known as an interval is judged by its lower end where the predicate counts positively and by
     its upper end under a negation, so that the robustness of the whole is a lower bound.
 
+    `spread` is how far signals may be off, whatever happens: a predicate is judged by the least
+    that it may be where it counts positively, by the most under a negation.
+
     Many runs at once are one more axis, the last: signals (steps, width, runs) and links
     (steps, runs), with 1 in place of the number of runs where all are alike; then `many` is true
     and robustness is (L, runs) or (L, 1).
@@ -33,10 +36,24 @@ class Trace:
     signals: Mapping[tuple[str, Role], Array] = field(default_factory=dict)
     link: LinkEvaluator | None = None
     many: bool = False
+    spread: Mapping[tuple[str, Role], Array] = field(default_factory=dict)
 
     def signal(self, signal: Signal) -> Array:
         """Values from step `signal.shift` on. Raises KeyError for an unknown signal."""
         return self.signals[signal.owner, signal.role][signal.shift :, signal.index]
+
+    def off(self, terms: Sequence[tuple[Signal, float]], positive: bool) -> Array | float:
+        """How much a sum of signals may be less, or more under a negation, by the `spread`."""
+        widths = [
+            abs(factor) * self.spread[s.owner, s.role][s.shift :, s.index]
+            for s, factor in terms
+            if (s.owner, s.role) in self.spread
+        ]
+        if not widths:
+            return 0.0
+        shortest = min(len(self.signal(s)) for s, _ in terms)
+        total = np.sum([width[:shortest] for width in widths], axis=0)
+        return np.asarray(total if positive else -total)
 
     def filled(self, length: int, value: float) -> Array:
         """`value` at `length` steps, for whatever number of runs."""

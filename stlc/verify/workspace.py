@@ -6,12 +6,14 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from stlc.ir.nodes import Role
 from stlc.mission import Mission
 from stlc.places import Polytope
 from stlc.verify.continuous import Extremum, inside
 from stlc.verify.paths import Path
 from stlc.verify.report import Violation
 from stlc.verify.subject import TOLERANCE
+from stlc.verify.tubes import spread_of
 
 
 def workspace_violations(
@@ -52,13 +54,18 @@ def _excursions(
     for name in mission.agents:
         if name in motion:
             path = motion[name].plane
-            found = inside(path, space) if swept else _at_steps(path, space)
+            found = inside(path, space) if swept else _at_steps(path, space, mission, name, past)
             row = ahead + int(found.value[ahead:].argmin())
             out = -float(found.value[row])
             if not out <= TOLERANCE:
                 yield name, row + float(found.where[row]), out
 
 
-def _at_steps(path: Path, space: Polytope) -> Extremum:
+def _at_steps(path: Path, space: Polytope, mission: Mission, name: str, past: int) -> Extremum:
+    """Distance to the nearest face [m] at each step, the agent wherever in its tube it is."""
     beyond = path.c0[:: path.pieces] @ space.normals.T - space.offsets
+    width = spread_of(mission, past).get((name, Role.STATE))
+    position = mission.agents[name].dynamics.position
+    if width is not None and position is not None:
+        beyond += width @ np.abs(space.normals @ position).T
     return Extremum(-beyond.max(axis=1), np.zeros(len(beyond)))

@@ -95,6 +95,11 @@ CASES = [
         "and(and([1*a.input.0 + 0], [1*a.input.0@1 + 0]), "
         "[1*a.state.0@1 + -1]))",
     ),
+    (
+        "tubes",
+        f"always[1,1]({P})",
+        "and([1*a.state.0@1 + -1])",
+    ),  # nothing disturbs it: test_tubes.py
     ("decide", f"eventually[0,3]({P})", "or([1*a.state.0@2 + -1], [1*a.state.0@3 + -1])"),
     ("decide", "eventually[0,3]([1*a.state.0 + -2])", "[1*a.state.0@3 + -2]"),
     (

@@ -1,0 +1,95 @@
+"""`disturbance |w| <= 0.05`: what pushes an agent, whatever it is, and the feedback against it.
+
+The gain is that of the linear-quadratic regulator with unit weights, from the discrete algebraic
+Riccati equation; where there is none (the dynamics can't be stabilised) there is no feedback.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from stlc.ir.nodes import Linear, Link, Node, walk
+from stlc.mission import Array, Dynamics
+from stlc.sema import props
+from stlc.sema.members import unit_of
+from stlc.sema.name_errors import NotHere
+from stlc.sema.noise import size_of
+from stlc.sema.report import Mistake
+from stlc.sema.scope import Scope
+from stlc.sema.values import Env
+from stlc.source import Span
+from stlc.syntax import ast
+from stlc.tubes import Tube
+
+_USAGE = "disturbance |w| <= 0.05"
+
+
+def tube_of(
+    item: ast.Property | None, base: Dynamics, block: props.Block, env: Env, scope: Scope
+) -> Tube | None:
+    """The disturbance of each step's inputs: one bound for all, or one for each. Raises Mistake."""
+    if item is None:
+        return None
+    for other in ("integer", "turn_rate"):
+        if block.get(other) is not None:
+            problem = f"a disturbed agent can't be `{other}`: feedback changes its inputs"
+            hint = f"leave out `{other}` or `disturbance`"
+            raise Mistake(NotHere(span=item.span, problem=problem, hint=hint))
+    units = [unit_of(u) for u in base.input_units]
+    expr = _limit(item)
+    bound = size_of(item, expr, units, list(range(len(units))), env, scope, _USAGE)
+    return Tube(bound, feedback(base))
+
+
+def _limit(item: ast.Property) -> ast.Expr:
+    """The bound in `|w| <= bound`, or what stands alone."""
+    expr = props.only(item, _USAGE)
+    if not isinstance(expr, ast.Comparison):
+        return expr
+    plain = len(expr.operators) == 1 and expr.operators[0] in ("<", "<=")
+    if not plain or not isinstance(expr.operands[0], ast.Absolute):
+        raise props.bad(item, "bounds the size of the disturbance", _USAGE)
+    return expr.operands[1]
+
+
+def feedback(base: Dynamics) -> Array:
+    """K (m, n) of u = K e."""
+    from scipy.linalg import solve_discrete_are
+
+    n, m = base.B.shape
+    try:
+        cost = solve_discrete_are(base.A, base.B, np.eye(n), np.eye(m))
+    except (np.linalg.LinAlgError, ValueError):
+        return np.zeros((m, n))
+    gain = np.linalg.solve(np.eye(m) + base.B.T @ cost @ base.B, base.B.T @ cost @ base.A)
+    return np.asarray(-gain, dtype=np.float64)
+
+
+def check_tubes(
+    formulas: Iterable[Node], workspace: Span | None, swept: bool, scope: Scope
+) -> None:
+    """Report what is asked of disturbed agents that no tube tells: links, and the motion between
+    the steps."""
+    disturbed = {name for name, agent in scope.agents.items() if agent.tube is not None}
+    if not disturbed:
+        return
+    if swept:
+        _refuse(workspace, "the workspace between the steps", scope)
+    for formula in formulas:
+        for node in walk(formula):
+            if isinstance(node, Link) and {node.sender, node.receiver} & disturbed:
+                _refuse(node.span, "its links", scope)
+            elif node.swept is not None and _movers(node) & disturbed:
+                _refuse(node.span, "its motion between the steps", scope)
+
+
+def _movers(node: Node) -> set[str]:
+    return {s.owner for part in walk(node) if isinstance(part, Linear) for s, _ in part.terms}
+
+
+def _refuse(span: Span | None, what: str, scope: Scope) -> None:
+    problem = f"of a disturbed agent nothing is promised about {what}"
+    hint = "ask for it at the steps, or leave `disturbance` out"
+    scope.report.add(NotHere(span=span, problem=problem, hint=hint))

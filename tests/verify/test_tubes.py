@@ -1,0 +1,144 @@
+"""Disturbed agents: plans hold whatever the disturbance does, and are not stricter than that."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stlc import api
+from stlc.analysis.tubes import spreads
+from stlc.errors import InfeasibleError, MissionError
+from stlc.ir.nodes import Role
+from stlc.mission import Agent, Mission
+from stlc.plan import Plan
+from stlc.simulate import simulate
+from stlc.verify import verify
+from stlc.verify.robustness import Evaluator
+from stlc.verify.trace import Trace
+from stlc.verify.tubes import half_widths
+
+HEAD = """step 1 s
+horizon 6
+workspace box [0, 10] x [0, 10]
+agent a : double_integrator {{ start (1, 1); control |u| <= 1; speed <= 2; {more} }}
+obstacle pillar = box [3, 5] x [0, 5]
+region dock = box [6, 8] x [1, 4]
+"""
+ASKED = """require clear: always a outside pillar
+require go: eventually[0, 6] a in dock
+require calm: always[5, 6] |a.vx| <= 0.8
+minimize effort
+"""
+
+
+def _mission(more: str = "disturbance |w| <= 0.04", asked: str = ASKED) -> Mission:
+    return api.loads(HEAD.format(more=more) + asked)
+
+
+def _pushed(agent: Agent, plan: Plan, pushes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The true run (T+1, n) and commanded inputs (T, m) under pushes (T, m)."""
+    model, run = agent.dynamics, plan.runs[agent.name]
+    states, inputs = [run.states[0]], []
+    for t, w in enumerate(pushes):
+        u = run.inputs[t] + agent.tube.gain @ (states[-1] - run.states[t])
+        inputs.append(u)
+        states.append(model.A @ states[-1] + model.B @ (u + w) + model.drift)
+    return np.array(states), np.array(inputs)
+
+
+def test_plans_hold_whatever_the_disturbance_does() -> None:
+    mission = _mission()
+    agent = mission.agents["a"]
+    outcome = api.solve(mission)
+    assert outcome.report.ok
+    assert any("whatever its disturbance does" in note for note in outcome.report.notes)
+    rng = np.random.default_rng(0)
+    draws = [rng.uniform(-0.04, 0.04, (6, 2)) for _ in range(100)]
+    draws += [0.04 * rng.choice([-1.0, 1.0], (6, 2)) for _ in range(300)]
+    least = np.inf
+    for pushes in draws:
+        x, u = _pushed(agent, outcome.plan, pushes)
+        assert (x[:, :2] >= -1e-6).all()
+        assert (np.abs(u) <= 1 + 1e-6).all()
+        assert (np.hypot(x[1:, 2], x[1:, 3]) <= 2 + 1e-6).all()
+        trace = Trace(7, {("a", Role.STATE): x, ("a", Role.INPUT): u})
+        judge = Evaluator(trace)
+        values = [judge.robustness(r.formula)[0] for r in mission.requirements]
+        assert min(values) >= -1e-6
+        least = min(least, *values)
+    told = min(r.robustness for r in outcome.report.requirements)
+    assert told <= least + 1e-6
+
+
+def test_a_plan_without_room_is_none() -> None:
+    plan = api.solve(_mission("")).plan
+    report = verify(_mission(), plan)
+    assert not report.ok
+    assert api.solve(_mission()).plan.solve.objective > plan.solve.objective + 1e-3
+    with pytest.raises(InfeasibleError):
+        api.solve(_mission("disturbance 0.6"))
+
+
+@pytest.mark.parametrize("horizon", [1, 4, 7])
+def test_tubes_are_what_the_worst_pushes_make(horizon: int) -> None:
+    mission = _mission("disturbance (0.04, 0.1)")
+    agent = mission.agents["a"]
+    found, by_verifier = spreads(agent, horizon), half_widths(agent, horizon)
+    for one, other in zip(found, by_verifier, strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-12)
+    model, gain = agent.dynamics, agent.tube.gain
+    worst = np.zeros_like(found[0])
+    steps = min(horizon, 4)
+    for signs in itertools.product((-1.0, 1.0), repeat=2 * steps):
+        e = np.zeros(4)
+        for t, w in enumerate(np.reshape(signs, (steps, 2))):
+            e = model.A @ e + model.B @ (gain @ e + agent.tube.bound * w)
+            worst[t + 1] = np.maximum(worst[t + 1], np.abs(e))
+    np.testing.assert_allclose(worst[: steps + 1], found[0][: steps + 1], atol=1e-9)
+
+
+def test_the_simulation_agrees() -> None:
+    mission = _mission()
+    found = simulate(mission, api.solve(mission).plan, draws=2000, seed=1)
+    assert all(e.hold == 2000 for e in found.requirements)
+
+
+def test_negations_and_constants_are_strict_too() -> None:
+    asked = (
+        "require off: always not (a.x >= 5 m)\nrequire up: eventually a.y >= 4 m\nminimize effort"
+    )
+    mission = _mission(asked=asked)
+    plan = api.solve(mission).plan
+    report = verify(mission, plan)
+    width = spreads(mission.agents["a"], 6)[0]
+    off = (5 - plan.runs["a"].states[:, 0] - width[:, 0]).min()
+    up = (plan.runs["a"].states[:, 1] - width[:, 1] - 4).max()
+    values = {r.name: r.robustness for r in report.requirements}
+    assert values["off"] == pytest.approx(off, abs=1e-9)
+    assert values["up"] == pytest.approx(up, abs=1e-9)
+
+
+RADIO = """station base at (9, 9)
+channel c { path_loss L0 = -30 dBm, n = 2; partition 5 x 5 }
+"""
+
+
+@pytest.mark.parametrize(
+    ("more", "asked", "told"),
+    [
+        ("disturbance -1", ASKED, "not below 0"),
+        ("disturbance |w| >= 1", ASKED, "size of the disturbance"),
+        ("disturbance (1, 2, 3)", ASKED, ""),
+        ("disturbance 0.1; integer", ASKED, "can't be `integer`"),
+        ("disturbance 0.1; turn_rate on", ASKED, "can't be `turn_rate`"),
+        ("disturbance 0.1", "require c: always a outside pillar swept", "between the steps"),
+        ("disturbance 0.1", RADIO + "require l: eventually rssi(a, base) >= -60 dBm", "its links"),
+    ],
+)
+def test_what_no_tube_tells(more: str, asked: str, told: str, tmp_path: Path) -> None:
+    with pytest.raises(MissionError) as caught:
+        _mission(more, asked)
+    assert told in str(caught.value)
