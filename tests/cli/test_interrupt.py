@@ -77,7 +77,7 @@ def test_events_follow_their_schema(tmp_path: Path) -> None:
     Draft202012Validator.check_schema(schema)
     judge = Draft202012Validator(schema)
     words = ("solve", long_mission(tmp_path, 5), "--strategy", "milp", "-o", "p.json")
-    done = stlc(*words, "--threads", 1, folder=tmp_path)
+    done = stlc(*words, "--threads", 1, "--progress", "ndjson", folder=tmp_path)
     assert done.returncode == 0, done.stderr
     events = [json.loads(line) for line in done.stderr.splitlines() if line.startswith("{")]
     for event in events:
