@@ -170,14 +170,14 @@ def _dive(work: Work) -> Work:
 
 
 BRIEF = Strategy("brief", applies.is_small, _try_briefly, heeds_caps=True)
-TURNS = Strategy("turns", applies.may_plan, _turns)
+TURNS = Strategy("turns", applies.may_plan, _turns, heeds_caps=True)
 GROUPS = Strategy("groups", applies.falls_apart, _groups)
-GRIDS = Strategy("grids", applies.may_grid, _routes)
-ROUTES = Strategy("routes", applies.may_route, _routes)
-LONE = Strategy("lone", applies.has_lone_runs, _lone)
-NEIGHBOURHOODS = Strategy("neighbourhoods", applies.may_improve, _neighbourhoods)
-PARTS = Strategy("parts", applies.has_parts, _parts)
-LINKS = Strategy("links", applies.may_search_links, _links)
+GRIDS = Strategy("grids", applies.may_grid, _routes, heeds_caps=True)
+ROUTES = Strategy("routes", applies.may_route, _routes, heeds_caps=True)
+LONE = Strategy("lone", applies.has_lone_runs, _lone, heeds_caps=True)
+NEIGHBOURHOODS = Strategy("neighbourhoods", applies.may_improve, _neighbourhoods, heeds_caps=True)
+PARTS = Strategy("parts", applies.has_parts, _parts, heeds_caps=True)
+LINKS = Strategy("links", applies.may_search_links, _links, heeds_caps=True)
 DIVE = Strategy("dive", applies.may_dive, _dive)
 MILP = Strategy("milp", lambda work: True, _solve_whole, heeds_caps=True)
 STRATEGIES: tuple[Strategy, ...] = (

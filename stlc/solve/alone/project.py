@@ -39,6 +39,7 @@ def project(
         agents={name: agent for name, agent in mission.agents.items() if name in team},
         requirements=tuple(_left(asked, formulas)),
         objective=tuple(_efforts(mission, team, channels)),
+        caps=(),
     )
 
 

@@ -68,6 +68,7 @@ def against(
         channels=held.channels,
         requirements=requirements,
         objective=objective,
+        caps=(),
     )
 
 
