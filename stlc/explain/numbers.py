@@ -47,10 +47,15 @@ def numbers_of(mission: Mission, conflict: Conflict) -> Iterator[Number]:
     file = mission.source
     for clause in conflict.clauses:
         for n in _Reader(file, mission).requirement(clause.span):
-            yield replace(n, name=f"{n.of.value} of {clause.name}")
-        yield from _places(file, clause.formula)
+            yield _called(n, f"{n.of.value} of {clause.name}")
+        yield from _places(file, mission, clause.formula)
     for given in conflict.givens:
-        yield from _given(file, given)
+        yield from _given(file, mission, given)
+
+
+def _called(number: Number, name: str) -> Number:
+    """With a name, unless it is that of a parameter, which may stand elsewhere too."""
+    return number if number.name else replace(number, name=name)
 
 
 # --- requirements ------------------------------------------------------------------------------
@@ -125,13 +130,18 @@ class _Reader:
                 yield from self._in(statement.body)
 
     def _number(self, expr: ast.Expr, of: Of) -> Iterator[Number]:
-        """A number as it stands, or that of a parameter which `-D` hasn't set."""
-        if isinstance(expr, ast.Name) and expr.text not in self.mission.params:
-            for statement in statements(self.file):
-                if isinstance(statement, ast.Param) and statement.name.text == expr.text:
-                    yield from number(statement.value, of)
-        else:
-            yield from number(expr, of)
+        return _named(self.file, self.mission, expr, of)
+
+
+def _named(file: Source, mission: Mission, expr: ast.Expr, of: Of) -> Iterator[Number]:
+    """A number as it stands, or that of a parameter which `-D` hasn't set."""
+    if not isinstance(expr, ast.Name):
+        yield from number(expr, of)
+    elif expr.text not in mission.params:
+        for statement in statements(file):
+            if isinstance(statement, ast.Param) and statement.name.text == expr.text:
+                for n in number(statement.value, of):
+                    yield replace(n, name=f"parameter {expr.text}")
 
 
 def number(expr: ast.Expr, of: Of) -> Iterator[Number]:
@@ -147,7 +157,7 @@ def number(expr: ast.Expr, of: Of) -> Iterator[Number]:
 # --- places, and what is given -----------------------------------------------------------------
 
 
-def _places(file: Source, formula: Node) -> Iterator[Number]:
+def _places(file: Source, mission: Mission, formula: Node) -> Iterator[Number]:
     """Sides of boxes that a formula is in or out of, and how far obstacles are inflated."""
     names: dict[str, None] = {}
     for node in walk(formula):
@@ -155,36 +165,38 @@ def _places(file: Source, formula: Node) -> Iterator[Number]:
         names |= {c.place: None for c in claims if c is not None and c.place is not None}
     for statement in statements(file):
         if isinstance(statement, ast.RegionDecl) and statement.name.text in names:
-            for n in _box(statement.shape, Of.REGION):
-                yield replace(n, name=f"region {statement.name.text}")
+            for n in _box(file, mission, statement.shape, Of.REGION):
+                yield _called(n, f"region {statement.name.text}")
         if isinstance(statement, ast.ObstacleDecl) and statement.name.text in names:
-            inflated = () if statement.inflate is None else number(statement.inflate, Of.OBSTACLE)
-            for n in (*_box(statement.shape, Of.OBSTACLE), *inflated):
-                yield replace(n, name=f"obstacle {statement.name.text}")
+            found = list(_box(file, mission, statement.shape, Of.OBSTACLE))
+            if statement.inflate is not None:
+                found += _named(file, mission, statement.inflate, Of.OBSTACLE)
+            for n in found:
+                yield _called(n, f"obstacle {statement.name.text}")
 
 
-def _box(shape: ast.Shape, of: Of) -> Iterator[Number]:
+def _box(file: Source, mission: Mission, shape: ast.Shape, of: Of) -> Iterator[Number]:
     if isinstance(shape, ast.Prism):
-        yield from _box(shape.base, of)
+        yield from _box(file, mission, shape.base, of)
         for end in shape.z:
-            yield from number(end, of)
+            yield from _named(file, mission, end, of)
     if isinstance(shape, ast.Box):
         for end in (*shape.x, *shape.y):
-            yield from number(end, of)
+            yield from _named(file, mission, end, of)
 
 
-def _given(file: Source, given: Given) -> Iterator[Number]:
+def _given(file: Source, mission: Mission, given: Given) -> Iterator[Number]:
     """Numbers of a bound, of a start or of the workspace."""
     if given.kind is Kind.WORKSPACE:
         for statement in statements(file):
             if isinstance(statement, ast.Workspace):
-                yield from _box(statement.shape, Of.WORKSPACE)
+                yield from _box(file, mission, statement.shape, Of.WORKSPACE)
     if given.kind in (Kind.SPEED, Kind.CONTROL, Kind.STATE, Kind.START):
         of = Of.START if given.kind is Kind.START else Of.BOUND
         for item in properties(file):
             if item.span == given.span:
-                for n in (n for arg in item.args for n in _bound(arg, of)):
-                    yield replace(n, name=f"{item.key.text} of {given.owner}")
+                for n in (n for arg in item.args for n in _bound(file, mission, arg, of)):
+                    yield _called(n, f"{item.key.text} of {given.owner}")
 
 
 def properties(file: Source) -> Iterator[ast.Property]:
@@ -194,12 +206,12 @@ def properties(file: Source) -> Iterator[ast.Property]:
             yield from statement.properties
 
 
-def _bound(expr: ast.Expr, of: Of) -> Iterator[Number]:
+def _bound(file: Source, mission: Mission, expr: ast.Expr, of: Of) -> Iterator[Number]:
     match expr:
         case ast.Comparison(operands=parts) | ast.Tuple(items=parts) | ast.List(items=parts):
             for part in parts:
-                yield from number(part, of)
+                yield from _named(file, mission, part, of)
         case ast.Membership(place=place):
-            yield from _bound(place, of)
+            yield from _bound(file, mission, place, of)
         case _:
-            yield from number(expr, of)
+            yield from _named(file, mission, expr, of)

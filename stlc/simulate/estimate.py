@@ -130,7 +130,7 @@ def _line(e: Estimate, width: int) -> str:
 
 def _lack(e: Estimate) -> str:
     """What is said of a preference beside how often it is kept."""
-    if e.violation is None:
+    if not e.violation:
         return "  preferred"
     unit = f" {e.unit}" if e.unit else ""
     return f"  preferred; violated by {e.violation:.4g}{unit} on average"

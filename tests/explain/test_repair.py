@@ -78,6 +78,21 @@ def test_a_parameter_is_changed_where_it_is_declared() -> None:
     assert "dBm" in str(found[0])
 
 
+def test_parameters_of_bounds_and_places_are_changed_where_they_are_declared() -> None:
+    text = """horizon 6
+param fast = 1 m/s
+param near = 9
+workspace box [0, 12] x [0, 10]
+agent a : single_integrator { start (1, 1); speed <= fast }
+region goal = box [near, 12] x [0, 3]
+require go: eventually[0, 6] a in goal
+"""
+    said = {words for c in changes(text) for words in c.words}
+    assert "deadline of go 6 -> 9 (+3 steps), line 7" in said
+    found = {words.partition(" ->")[0] for words in said}
+    assert {"parameter fast 1", "parameter near 9"} <= found
+
+
 def test_a_coarse_partition_is_made_finer() -> None:
     kinds = {k for c in changes(LINK.replace("-62", "-69")) for k in c.kinds}
     assert "partition" in kinds
