@@ -119,11 +119,11 @@ def _tasks(file: Path, grid: Sequence[Point], given: _Words) -> list[Task]:
 def _check_costs(file: Path, point: Point, costs: tuple[str, str], given: _Words) -> None:
     """MissionError or UsageError where one isn't a cost of the mission."""
     from stlc.api import load
-    from stlc.sweep.costs import terms_of
+    from stlc.sweep.costs import priced
 
     mission = load(file, params=dict(point), allow_paths=given.allow_path)
     for cost in costs:
-        terms_of(mission, cost, real(file).parent, given.allow_path)
+        priced(mission, cost, real(file).parent, given.allow_path)
 
 
 def _found(

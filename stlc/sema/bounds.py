@@ -120,9 +120,12 @@ def _comparison(
     bounds: Bounds,
     scope: Scope,
 ) -> None:
-    """A chain such as `-1 <= u <= 2`: exactly one operand is bounded."""
+    """A chain such as `-1 <= u <= 2`: exactly one operand is bounded. Of `speed <= speed`, with a
+    parameter of that name, the first."""
     targets = [_target(e, bounds.dynamics) for e in expr.operands]
     where = [k for k, t in enumerate(targets) if t is not None]
+    if len(where) > 1:
+        where = [k for k in where if not _is_parameter(expr.operands[k], scope)] or where[:1]
     if item.key.text == "speed" and not where:
         raise props.bad(item, "needs dynamics that name their velocity", "velocity vx vy")
     if len(where) != 1 or any(o in ("==", "!=") for o in expr.operators):
@@ -139,6 +142,11 @@ def _comparison(
         else:
             low = max(low, limit)
     _add(item, expr, target, (low, high), words, bounds, scope)
+
+
+def _is_parameter(expr: ast.Expr, scope: Scope) -> bool:
+    name = expr.text if isinstance(expr, ast.Name) else ""
+    return isinstance(scope.declarations.get(name), ast.Param)
 
 
 def _add(

@@ -25,7 +25,7 @@ from stlc.plan_reader import parse
 from stlc.sense import Sense
 from stlc.solve.outcome import Outcome, SolveSettings
 from stlc.sweep.axes import Point
-from stlc.sweep.costs import terms_of
+from stlc.sweep.costs import priced
 
 FORMAT = 1
 """Of keys and answers: another one means that stored answers are not these."""
@@ -131,10 +131,10 @@ def _mission(question: Question) -> Mission:
     folder = real(path).parent
     if question.cap is not None:
         cost, limit = question.cap
-        cap = Cap(cost, terms_of(mission, cost, folder, allowed), limit)
-        mission = replace(mission, caps=(cap,))
+        mission, terms = priced(mission, cost, folder, allowed)
+        mission = replace(mission, caps=(Cap(cost, terms, limit),))
     if question.minimise is not None:
-        terms = terms_of(mission, question.minimise, folder, allowed)
+        mission, terms = priced(mission, question.minimise, folder, allowed)
         mission = replace(mission, objective=terms, sense=Sense.MINIMIZE)
     return mission
 

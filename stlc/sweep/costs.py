@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from stlc import api
@@ -26,10 +27,10 @@ def split(text: str) -> tuple[str, str]:
     return costs[0], costs[1]
 
 
-def terms_of(
+def priced(
     mission: Mission, cost: str, folder: Path | None, allow_paths: tuple[Path, ...]
-) -> Terms:
-    """The terms of a cost in a mission's words.
+) -> tuple[Mission, Terms]:
+    """The terms of a cost in a mission's words, and the mission with what they are measured by.
 
     MissionError where it isn't one, located behind the mission's text; UsageError for robustness,
     which is no cost.
@@ -38,13 +39,23 @@ def terms_of(
     params = dict(mission.params)
     name = mission.source.name
     longer = api.loads(text, name=name, params=params, folder=folder, allow_paths=allow_paths)
-    first = len(_weighed(mission.objective))
-    found = _weighed(longer.objective)[first:]
+    first = len(_weighed(mission))
+    found = tuple(_weighed(longer)[first:])
     if not found or any(term.kind is TermKind.ROBUSTNESS for term in found):
-        raise UsageError(f"{cost!r} is no cost that can be traded: take efforts and link costs")
-    return tuple(found)
+        raise UsageError(
+            f"{cost!r} is no cost that can be traded: take efforts, link costs and times"
+        )
+    known = {p.name for p in mission.preferences}
+    named = {term.requirement for term in found}
+    times = (p for p in longer.preferences if p.name in named and p.name not in known)
+    return replace(mission, preferences=(*mission.preferences, *times)), found
 
 
-def _weighed(terms: Terms) -> list[ObjectiveTerm]:
-    """Without the violations of preferences, which follow what `minimize` says."""
-    return [term for term in terms if term.kind is not TermKind.VIOLATION]
+def _weighed(mission: Mission) -> list[ObjectiveTerm]:
+    """What `minimize` says, without the violations of preferences, which follow it."""
+    times = {p.name for p in mission.preferences if p.cost}
+    return [
+        term
+        for term in mission.objective
+        if term.kind is not TermKind.VIOLATION or term.requirement in times
+    ]

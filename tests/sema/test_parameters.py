@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from stlc.api import load, loads
@@ -107,3 +108,19 @@ def test_mistakes_in_a_library_are_shown_there(tmp_path: Path) -> None:
 
 def test_a_text_alone_reads_no_files() -> None:
     assert codes('import "lib.stl"\nsignal q\nrequire: always[0, 3] q >= 1\n') == ["E0215"]
+
+
+def test_a_parameter_may_have_the_name_of_what_it_bounds() -> None:
+    text = """param speed = 2 m/s
+param v = 3
+param vx = 0.5
+agent a : double_integrator { start (0, 0); control |u| <= v; speed <= speed; vx in [-vx, vx] }
+agent b : double_integrator { start (0, 0); control |u| <= 1; speed >= 0, vy <= vx }
+require r: eventually[0, 1] a.x >= -1
+"""
+    found = loads(text.replace("speed >= 0, vy <= vx", "vy <= vx; speed <= v")).agents
+    assert [n.limit for n in found["a"].state_norms] == [2.0]
+    assert found["a"].input_upper.tolist() == [3.0, 3.0]
+    assert found["a"].state_upper[2] == 0.5
+    assert found["b"].state_upper.tolist()[2:] == [np.inf, 0.5]
+    assert [n.limit for n in found["b"].state_norms] == [3.0]

@@ -19,7 +19,7 @@ from stlc.mission import Cap
 from stlc.sense import Sense
 from stlc.sweep import Answer, Axis, Question, frontier, points
 from stlc.sweep.ask import answer, digest
-from stlc.sweep.costs import split, terms_of
+from stlc.sweep.costs import priced, split
 from stlc.sweep.executors import run_here
 from stlc.sweep.store import Store
 from stlc.sweep.work import Task, recalled
@@ -101,7 +101,7 @@ def test_trades_match_separate_solves(file: Path) -> None:
     assert curve.why is None
     assert len(curve.trades) >= 3
     mission = api.load(file, params=given)
-    effort, radio = (terms_of(mission, c, file.parent, ()) for c in ("effort", RADIO))
+    effort, radio = (priced(mission, c, file.parent, ())[1] for c in ("effort", RADIO))
     for trade, after in itertools.pairwise([*curve.trades, None]):
         level = trade.level  # up to here no plan has less effort, just below it too
         assert level >= trade.second - 1e-6
@@ -141,7 +141,7 @@ minimize effort
 
 def test_caps_are_verified(file: Path) -> None:
     mission = api.load(file)
-    effort = terms_of(mission, "effort", file.parent, ())
+    _, effort = priced(mission, "effort", file.parent, ())
     plan = api.solve(mission).plan
     capped = replace(mission, caps=(Cap("effort", effort, 2.0),))
     kinds = [v.kind for v in api.verify(capped, plan).violations]
