@@ -23,6 +23,7 @@ from stlc.plot import plot_plan
 from stlc.radio.figures import plot_summary
 from stlc.radio.read import read_samples
 from stlc.radio.report import fit_csv, format_summary
+from stlc.report import write_report
 from stlc.solve.outcome import Outcome, SolveSettings
 from stlc.verify import verify
 
@@ -123,6 +124,7 @@ def _solve(file: Path, out: Path, name: str, params: Mapping[str, str]) -> Outco
     outcome.plan.write_csv(out / f"{name}.csv")
     plot_plan(mission, outcome.plan, out / f"{name}.png")
     if name == "plan":
+        write_report(mission, outcome.plan, out / "plan.html")
         for suffix in ("mps", "lp"):
             write_model(outcome.compiled.model, out / f"model.{suffix}")
     info = outcome.plan.solve
