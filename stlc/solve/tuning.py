@@ -132,6 +132,7 @@ class Turns(Record):
     seconds: float = 10.0  # and at most
     all: float = 0.5  # of the time that is left, for all of them
     most: float = 120.0  # s
+    crowd: int = 20  # agents; fewer soon have a plan by any runs: swarm_16 7 s, by good ones 11 s
     brief: float = 2.0  # s for a good run, before any run will do
     good: float = 0.1  # gap of one. 0.5: plan of swarm_32 28 % dearer and not earlier
     rough: float = 0.5  # gap: any run will do
