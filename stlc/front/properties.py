@@ -8,7 +8,8 @@ from typing import Any
 from stlc.front.text import matrix, point, words, written
 
 _MATRICES = ("A", "B", "c")
-_POINTS = ("start", "effort_state", "effort_input", "start_noise", "control_noise")
+_POINTS = ("start", "effort_state", "effort_input", "start_noise", "control_noise",
+           "disturbance")  # fmt: skip
 _NAMES = ("states", "inputs", "state_units", "input_units", "position", "velocity")
 _PLAIN = ("mass", "dimensions", "height", "length", "fading", "shadowing", "noise_floor",
           "modulation", "packet", "cost", "bound", "bandwidth", "noise_figure")  # fmt: skip

@@ -18,7 +18,7 @@ from stlc.arrays import Floats
 from stlc.ir.nodes import Always, And, Linear, Node, Role, Signal
 from stlc.ir.rewrite import conjuncts
 from stlc.milp.polygons import norm_faces
-from stlc.mission import Agent, Channel, Mission, NormBound
+from stlc.mission import Agent, Channel, Mission, NormBound, TermKind
 from stlc.places import Polytope
 from stlc.preferences import Preference
 from stlc.radio.partition import Partition
@@ -225,20 +225,29 @@ def _first(mission: Mission) -> int:
     return min((p.priority for p in mission.preferences if p.priority is not None), default=1)
 
 
-def softened(mission: Mission, left: Mission) -> tuple[Mission, Mapping[str, str]]:
+def softened(
+    mission: Mission, left: Mission, *, standing: bool = False
+) -> tuple[Mission, Mapping[str, str]]:
     """An eased mission with its requirements as wishes that come before those of the mission that
     was `left`, and the requirement that each wish is of.
 
     Each conjunct is a wish of its own, violated by what its robustness lacks of the margin; what
-    bounds lack comes first.
+    bounds lack comes first. With `standing` what has to hold at all times stays a requirement.
     """
     tier = _first(left) - 1
-    wishes, owner = [], {}
+    wishes, owner, kept = [], {}, []
     for r in mission.requirements:
         for k, part in enumerate(conjuncts(r.formula)):
+            if standing and (isinstance(part, Always) or not part.children):
+                kept.append(replace(r, name=f"{r.name} ({k + 1})", formula=part))
+                continue
             name = f"{r.name} ({k + 1})" if k else r.name
             wish = Preference(name, part, priority=tier, margin=r.margin, unit=unit_of(part))
             wishes.append(replace(wish, span=r.span))
             owner[name] = r.name
-    plain = replace(mission, requirements=(), preferences=(*wishes, *mission.preferences))
+    costs = tuple(t for t in mission.objective if t.kind is not TermKind.ROBUSTNESS)
+    plain = replace(
+        mission, requirements=tuple(kept), objective=costs,
+        preferences=(*wishes, *mission.preferences),
+    )  # fmt: skip
     return plain, owner

@@ -151,15 +151,17 @@ def _tail(old: Plan, past: Past, left: Mission) -> Plan:
 def _planned(
     left: Mission, room: Eased, settings: SolveSettings, listen: Listener
 ) -> tuple[Outcome, Eased, tuple[str, ...]]:
-    """A plan that keeps everything, or else all bounds that hold now, or else as much as it can:
-    what had to give way, and the requirements that it gives up."""
+    """A plan that keeps everything, or else all bounds that hold now and what has to hold at all
+    times, or else as much as it can. Hands over what had to give way, and what it gives up.
+    """
     try:
         return solve_mission(room.mission, settings, listen), room, ()
     except InfeasibleError as error:
         listen(StatusEvent("soften", str(error)))
         told = error
-    for trial in (room, eased(left, all_bounds=True)):
-        wishes, owner = softened(trial.mission, left)
+    every = eased(left, all_bounds=True)
+    for trial, standing in ((room, True), (room, False), (every, True), (every, False)):
+        wishes, owner = softened(trial.mission, left, standing=standing)
         try:
             outcome = solve_mission(wishes, settings, listen)
         except (InfeasibleError, UsageError):  # or nothing bounds what is lacking

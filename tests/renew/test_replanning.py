@@ -251,3 +251,20 @@ def test_bounds_that_inertia_is_going_to_break_give_way_too() -> None:
     # 8 + 2.5 - 0.5 = 10 at 1.5 m/s, then 11 at 0.5, then back: 0.1 too far along both faces
     assert late.most == pytest.approx(1.0, abs=0.1)
     assert found.given_up == ()
+
+
+def test_what_has_to_hold_at_all_times_is_given_up_last() -> None:
+    """The deadline is missed; the wall is kept out of, though through it less would be missed."""
+    text = CART.replace("a.y >= 6.5 m", "a.x >= 9.5 m").replace(
+        "minimize effort", "maximize robustness - 0.01 * effort"
+    )
+    mission = api.loads(text.replace("[0, 6]\n", "[0, 9.5]\n").replace("vx >= -1", "vx >= -1.2"))
+    plan = api.solve(api.loads(text.replace("9.5 m", "5.5 m"))).plan
+    before = np.tile([2.0, 3.0, 0.0, 0.0], (4, 1)), np.zeros((4, 2))
+    past = along(mission, plan, 4, {"a": before[0][0]}, {"a": before})
+    found = replan(mission, past)
+    assert found.given_up == ("go",)
+    states = found.plan.runs["a"].states[4:]
+    assert not ((states[:, 0] > 4 + 1e-6) & (states[:, 0] < 5 - 1e-6) & (states[:, 1] < 6)).any()
+    by = {r.name: r for r in found.report.requirements}
+    assert by["clear"].satisfied
