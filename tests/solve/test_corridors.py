@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
 from stlc import backends
 from stlc.api import loads
-from stlc.backends.base import SolveOptions
+from stlc.backends.base import SolveOptions, Status
 from stlc.milp.compile import compile_mission
+from stlc.solve.alone.run import Run
 from stlc.solve.deadline import Deadline
 from stlc.solve.judge import Judge
 from stlc.solve.strategies import LONE, run_strategy
 from stlc.solve.strategy import Work
+from stlc.solve.teams import corridors
 from stlc.solve.teams.corridors import Corridor, beside
+from stlc.solve.teams.improvement import improve
+from stlc.solve.teams.neighbourhoods import Neighbourhoods
 
 HIGHS = backends.get("highs")
 MEET = """
@@ -43,8 +48,7 @@ def work() -> Work:
 
 def test_beside_lone_runs_that_collide_there_is_a_plan_near_the_optimum() -> None:
     lone = work()
-    runs = {one.agent: one.run for one in lone.lone if one.run is not None}
-    found = beside(lone, runs, Deadline())
+    found = beside(lone, _alone(lone), Deadline())
     optimum = run_strategy("milp", lone.compiled, HIGHS, lone.options).objective
     assert optimum is not None
     assert optimum - 1e-5 <= found.value <= 1.02 * optimum
@@ -64,3 +68,36 @@ def test_tubes_around_a_poor_plan_lead_to_the_optimum() -> None:
     assert found.value < 0.9 * poor.value
     optimum = run_strategy("milp", lone.compiled, HIGHS, lone.options).objective
     assert found.value == pytest.approx(optimum, rel=0.02)
+
+
+def test_a_tube_that_holds_nothing_better_is_not_searched_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A wider one that takes too long is not followed by narrower ones that are known."""
+    lone = work()
+    plan = lone.with_point(HIGHS.solve(lone.compiled.model, lone.options).x, "optimal")
+    known = replace(plan.answer(), status=Status.OPTIMAL)
+    late = replace(known, status=Status.NO_SOLUTION, x=None)
+    monkeypatch.setattr(corridors, "_solved", Mock(side_effect=[known, late]))
+    corridor = Corridor()
+    corridor.better(plan, Deadline())
+    assert not corridor.idle
+    corridor.better(plan, Deadline())
+    assert corridor.idle
+    assert not corridor.moved().idle
+
+
+def test_neighbourhoods_of_a_pair_never_free_both(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both are the mission itself, which is solved after this."""
+    sizes = []
+    sweep = Neighbourhoods.sweep
+    monkeypatch.setattr(
+        Neighbourhoods, "sweep", lambda one, size: sizes.append(size) or sweep(one, size)
+    )
+    lone = work()
+    improve(lone.with_point(beside(lone, _alone(lone), Deadline()).x, "poor"))
+    assert set(sizes) == {1}
+
+
+def _alone(lone: Work) -> dict[str, Run]:
+    return {one.agent: one.run for one in lone.lone if one.run is not None}

@@ -37,10 +37,12 @@ def beside(work: Work, runs: Mapping[str, Run], deadline: Deadline) -> Work:
 @dataclass(slots=True)
 class Corridor:
     """Tubes around the incumbent: wider while they are solved, narrower where they bring nothing
-    in their time. `radius` and `least` are parts of the workspace; `idle`: nothing is left to try.
+    in their time. `radius` is a part of the workspace, `searched` the widest that is known to hold
+    nothing better than the incumbent; `idle`: nothing is left to try.
     """
 
     radius: float = tuning.NEAR.radius
+    searched: float = 0.0
     idle: bool = False
 
     def better(self, work: Work, deadline: Deadline) -> Work:
@@ -53,12 +55,19 @@ class Corridor:
             self.idle = True
             return work
         better = work.with_point(found.x, "tubes")
+        if better is not work:
+            self.searched = 0.0
         if found.status is Status.OPTIMAL:
+            self.searched = self.radius if better is work else 0.0
             self.radius *= tuning.NEAR.wider
         elif better is work:
             self.radius /= tuning.NEAR.wider
-        self.idle = not tuning.NEAR.narrowest <= self.radius <= 1.0
+        self.idle = not max(tuning.NEAR.narrowest, 1.01 * self.searched) <= self.radius <= 1.0
         return better
+
+    def moved(self) -> Corridor:
+        """The same around another incumbent."""
+        return Corridor(min(max(self.radius, tuning.NEAR.narrowest), 1.0))
 
 
 def extent(compiled: Compiled) -> float:

@@ -46,21 +46,20 @@ class Improvement:
 
     def _descend(self) -> None:
         """Larger and larger neighbourhoods, tubes in between, until nothing betters the plan."""
-        search, corridor, size = (
-            self._from_incumbent(tuning.NEAR.gap),
-            Corridor(idle=self.priced),
-            1,
-        )
+        search, size = self._from_incumbent(tuning.NEAR.gap), 1
+        corridor = Corridor(idle=self.priced)
+        most = min(tuning.NEAR.agents, len(search.runs) - 1)  # all of them are the mission itself
         while not (self.deadline.over() or self._is_near()):
             before = self.work.value
             if not corridor.idle:
                 self.work = corridor.better(self.work, self._moment())
                 search.follow(self._runs(), self._spare())
-            if size <= tuning.NEAR.agents and search.sweep(size):
+            if size <= most and search.sweep(size):
                 self._take(search.runs, "neighbourhoods")
                 search.follow(self._runs(), self._spare())
+                corridor = corridor if self.priced else corridor.moved()
             size = 1 if self.work.value < before - search.worth else size + 1
-            if corridor.idle and size > tuning.NEAR.agents:
+            if corridor.idle and size > most:
                 break
 
     def _is_near(self) -> bool:
@@ -123,5 +122,7 @@ class Improvement:
 def improve(work: Work) -> Work:
     """The work with the best plan found in time."""
     priced = TermKind.LINK_COST in work.kinds
-    share = tuning.NEAR.priced if priced else tuning.NEAR.effort
+    pair = len(work.compiled.states) == 2
+    free = tuning.NEAR.pair if pair else tuning.NEAR.effort
+    share = tuning.NEAR.priced if priced else free
     return Improvement(work, work.deadline.share(share, tuning.NEAR.most), priced).run()
