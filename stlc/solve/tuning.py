@@ -153,7 +153,7 @@ class Near(Record):
     pair: float = (
         0.1  # for two agents, of which the mission itself is hardly larger: 0.6 took 6 s of
     )
-    # tubes on a mission of links that is proven in 4 s
+    # CPU s of tubes on a mission of links that is proven in 4
     joint: float = 0.4  # of that, for a plan beside what agents do alone; halved flat
     bound: float = 0.1  # and where agents are bound to each other: what they do alone is no guide
     alone: float = 0.5  # and to plan around that in turn
