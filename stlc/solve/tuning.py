@@ -118,11 +118,13 @@ class Route(Record):
     grid_agents: int = 6  # and at most so many
     growth: float = 2.0  # how much longer the next grid takes
     hardly: float = 2.0  # a grid is left out whose next has at most so many times its moves
-    climbs: int = 10  # ascents of prices on visits, at most
     rooms: tuple[float, ...] = (0.0, 1.0)  # steps: how far from where ways have their visits
     guesses: int = 2  # ascents ahead of a first plan; 1: plan of rounds_40 15 % dearer, 3: flat
     climb_rounds: int = 12  # of each; 20: flat, 0.7 times as fast for rounds_100
     heat: float = 0.03  # of the gap
+    cooler: float = 0.3  # where that rises no more
+    coldest: float = 3e-4  # 0.03: 3.80 instead of 3.96 for frugal_door_puzzle_N2, 38.2 instead of
+    # 38.4 for rounds_40
 
 
 class Turns(Record):

@@ -161,8 +161,14 @@ def visits_of(grids: Routes, name: str) -> Priced | None:
         return None
     place, boxes = places_of(compiled, name, grids.progress, grids.levels, body)
     kinds = kinds_of(boxes)
-    ways = None if kinds is None else Search(body, grids.progress, place, kinds, grids.over).ways()
-    return None if ways is None else Priced(body, ways)
+    if kinds is None:
+        return None
+    search = Search(body, grids.progress, place, kinds, grids.over)
+    for told in (True, False):
+        ways = replace(search, told=told).ways()
+        if ways is not None:
+            return Priced(body, ways)
+    return None
 
 
 def _left(work: Work, lone: Mapping[str, float], name: str) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -22,24 +22,42 @@ def places_of(
     compiled: Compiled, name: str, progress: Progress, levels: Sequence[LevelOf], body: Body
 ) -> tuple[dict[int, int], list[Floats]]:
     """The place of each atom that is one, and the places' boxes (2, 2: axis, low and high)."""
-    ranges = np.array([[axis.box[:, 0].min(), axis.box[:, 1].max()] for axis in body.axes])
-    known: dict[bytes, int] = {}
-    boxes: list[Floats] = []
-    place: dict[int, int] = {}
+    ranges = np.stack([np.array([axis.box[:, k] for axis in body.axes]).T for k in (0, 1)], axis=2)
+    whole = np.stack([ranges[:, :, 0].min(axis=0), ranges[:, :, 1].max(axis=0)], axis=1)
+    found: dict[int, Floats] = {}
     for number, atom in progress.atoms.items():
         if number in progress.asserted.get(atom.step, ()):
             continue
         box = _box(compiled, name, atom.node, atom.step, levels[atom.source], body)
-        box = np.stack([np.maximum(box[:, 0] - _LOOSE, ranges[:, 0]),
-                        np.minimum(box[:, 1] + _LOOSE, ranges[:, 1])], axis=1)  # fmt: skip
-        if (box <= ranges).all() and (box >= ranges).all():
-            continue
-        key = np.round(box, 9).tobytes()
-        if key not in known:
-            known[key] = len(boxes)
-            boxes.append(box)
-        place[number] = known[key]
-    return place, boxes
+        box = common(box + np.array([[-_LOOSE, _LOOSE]]), whole)
+        if (box > whole).any() or (box < whole).any():
+            found[number] = np.round(box, 9)
+    return _shared(found, {n: ranges[progress.atoms[n].step] for n in found})
+
+
+def _shared(
+    found: Mapping[int, Floats], ranges: Mapping[int, Floats]
+) -> tuple[dict[int, int], list[Floats]]:
+    """The place of each atom: the smallest of all boxes that is the same within the range of its
+    step. Faces that no run can cross by then are missing in the boxes of some steps."""
+    known = {box.tobytes(): box for box in found.values()}
+    every = sorted(known.values(), key=lambda box: float(np.ptp(box, axis=1).prod()))
+    used: dict[int, int] = {}
+    place: dict[int, int] = {}
+    for number, box in found.items():
+        range_ = ranges[number]
+        here = common(box, range_)
+        k = next(
+            k for k, other in enumerate(every)
+            if np.allclose(common(other, range_), here, rtol=0, atol=1e-9)
+        )  # fmt: skip
+        place[number] = used.setdefault(k, len(used))
+    return place, [every[k] for k in used]
+
+
+def common(a: Floats, b: Floats) -> Floats:
+    """What two boxes (2, 2: axis, low and high) share; low above high where that is nothing."""
+    return np.stack([np.maximum(a[:, 0], b[:, 0]), np.minimum(a[:, 1], b[:, 1])], axis=1)
 
 
 def _box(

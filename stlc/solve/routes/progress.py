@@ -48,6 +48,21 @@ def span_of(node: Node) -> tuple[int, int]:
     return first, last
 
 
+def _by_step(node: Node) -> list[Node]:
+    """The parts of a formula, those of a conjunction that ask of the same step as one: together
+    they may keep an agent in a box where each keeps it on one side of a line."""
+    if not isinstance(node, And):
+        return list(node.children)
+    groups: dict[tuple[int, int], list[Node]] = {}
+    for part in node.args:
+        groups.setdefault(span_of(part), []).append(part)
+    found = list[Node]()
+    for (start, end), parts in groups.items():
+        joined = len(parts) > 1 and 0 <= end <= start + 1
+        found.extend([And(tuple(parts))] if joined else parts)
+    return found
+
+
 @dataclass(slots=True, eq=False)
 class Progress:
     """Formulas as numbers: TRUE, FALSE, atoms, conjunctions and disjunctions of numbers.
@@ -104,7 +119,7 @@ class Progress:
             if not known:
                 self.atoms[found] = Atom(node, end, start < end, source)
         else:
-            args = [self._formula(arg, source, done) for arg in node.children]
+            args = [self._formula(arg, source, done) for arg in _by_step(node)]
             found = self._joined("or" if isinstance(node, Or) else "and", args)
         done[node] = found
         return found

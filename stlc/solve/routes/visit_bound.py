@@ -220,26 +220,47 @@ class Climb:
         return self._guess
 
     def bound(self, most: float, over: Callable[[], bool]) -> float:
-        """A bound on what the visits cost, `most` where all ways cost at least that."""
+        """A bound on what the visits cost, `most` where all ways cost at least that.
+
+        Where prices rise no more, those of all steps of a kind do together once, which sees
+        through ways of many lengths that cost nearly the same; then they do with less and less
+        heat.
+        """
         if not self.graph.possible:
             return most
-        for _ in range(tuning.ROUTES.climbs):
+        heat, together, tried = tuning.ROUTES.heat, False, False
+        while heat >= tuning.ROUTES.coldest:
             gap, before = most - self.best, self.best
             if not np.isfinite(gap) or gap <= 0 or over():
                 break
-            self._rise(tuning.ROUTES.heat * gap)
+            self._rise(heat * gap * (tuning.ROUTES.cooler if together else 1.0), together)
             self.best = min(self.best, most)
             self.graph = self.graph.below(self.prices, most)
-            if not len(self.graph.ways.source) or self.best - before < _WORTH * (most - self.best):
+            if not len(self.graph.ways.source):
                 break
+            if self.best - before >= _WORTH * (most - self.best):
+                together = False
+            else:
+                together, tried = not tried, True
+                heat *= 1.0 if together else tuning.ROUTES.cooler
         return min(self.best, most)
 
-    def _rise(self, heat: float) -> None:
-        """Better prices by so many steps."""
+    def _rise(self, heat: float, together: bool = False) -> None:
+        """Better prices by so many steps, those of all steps of a kind as one if asked."""
+        groups, stop = np.arange(len(self.prices)), self.graph.ways.stop
+        if together:
+            groups = np.unique(stop[:, 1] * 2 + (stop[:, 2] == 0), return_inverse=True)[1].ravel()
+
+        def soft(change: Floats) -> tuple[float, Floats]:
+            value, slope = self.graph.soft(self.prices + change[groups] * free, heat)
+            out = np.zeros_like(change)
+            np.add.at(out, groups, slope * free)
+            return value, out
+
+        free = (stop[:, 2] > 0)[:, None, None]
+        none = np.zeros((groups.max(initial=-1) + 1, 2, 2))
         with np.errstate(all="ignore"):
-            found = climbed(
-                lambda z: self.graph.soft(z, heat), self.prices, heat, tuning.ROUTES.climb_rounds
-            )
+            found = climbed(soft, none, heat, tuning.ROUTES.climb_rounds)
         if np.isfinite(found).all():
-            self.prices = found
+            self.prices = self.prices + found[groups] * free
         self.best = max(self.best, self.graph.least(self.prices))

@@ -15,13 +15,16 @@ import numpy as np
 
 from stlc.arrays import Bools, Floats, Ints
 from stlc.solve.relaxation.problem import Body
+from stlc.solve.routes.boxes import common
+from stlc.solve.routes.pace import Pace
 from stlc.solve.routes.progress import Open, Progress
 
 MOST_ARCS = 4_000_000
 MOST_LEGS = 30_000  # more are too slow to price: 89,000 of data_mule took 0.3 s at each step
 _MOST_KINDS = 32
-_EDGE = 1e-6
 Label = dict[int, bool]
+Waiting = dict[int, dict[int, tuple[Ints, Ints]]]
+"""By kind and step of the last visit: nodes, and what is open by now."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,7 +47,12 @@ class Ways:
     boxes: Floats
 
 
-def kinds_of(places: Sequence[Floats]) -> list[tuple[frozenset[int], Floats]] | None:
+Kind = tuple[frozenset[int], Floats]
+"""Visits within some places, the others left out, and a box (2, 2: axis, low and high) of
+positions."""
+
+
+def kinds_of(places: Sequence[Floats]) -> list[Kind] | None:
     """Sets of places (2, 2) that meet, with what they share; None for too many."""
     found: dict[frozenset[int], Floats] = {}
     todo = [(frozenset([k]), box) for k, box in enumerate(places)]
@@ -55,45 +63,46 @@ def kinds_of(places: Sequence[Floats]) -> list[tuple[frozenset[int], Floats]] | 
         found[members] = box
         if len(found) > _MOST_KINDS:
             return None
-        for k, other in enumerate(places):
-            both = np.stack([np.maximum(box[:, 0], other[:, 0]),
-                             np.minimum(box[:, 1], other[:, 1])], axis=1)  # fmt: skip
-            todo.append((members | {k}, both))
+        todo.extend((members | {k}, common(box, other)) for k, other in enumerate(places))
     return sorted(found.items(), key=lambda one: sorted(one[0]))
 
 
 @dataclass(slots=True, eq=False)
 class Search:
-    """Builds the graph. `place[atom]` for atoms that are places, `kinds` the visits there are."""
+    """Builds the graph. `place[atom]` for atoms that are places, `kinds` the visits there are;
+    `told`: whether nodes tell where the agent comes from."""
 
     body: Body
     progress: Progress
     place: Mapping[int, int]
-    kinds: Sequence[tuple[frozenset[int], Floats]]
+    kinds: Sequence[Kind]
     over: Callable[[], bool]
+    told: bool = True
     boxes: Floats = field(init=False)
-    _opens: list[Open] = field(default_factory=list)
-    _known: dict[Open, int] = field(default_factory=dict)
-    _node: dict[tuple[int, int, int, int], int] = field(default_factory=dict)
-    _arcs: list[tuple[Ints, Ints]] = field(default_factory=list)
-    _ends: list[int] = field(default_factory=list)
-    _from: list[int] = field(default_factory=list)
-    _legs: int = 0
+    _pace: Pace = field(init=False)
+    _opens: list[Open] = field(init=False, default_factory=list)
+    _known: dict[Open, int] = field(init=False, default_factory=dict)
+    _node: dict[tuple[int, int, int, int], int] = field(init=False, default_factory=dict)
+    _arcs: list[tuple[Ints, Ints]] = field(init=False, default_factory=list)
+    _ends: list[int] = field(init=False, default_factory=list)
+    _from: list[int] = field(init=False, default_factory=list)
+    _legs: int = field(init=False, default=0)
 
     def __post_init__(self) -> None:
         start = np.array([[axis.start[0], axis.start[0]] for axis in self.body.axes])
         self.boxes = np.array([*(box for _, box in self.kinds), start])
+        self._pace = Pace.of(self.body, self.boxes)
 
     def ways(self) -> Ways | None:
         """The graph, without what leads nowhere; None where it is too large."""
         steps, home = len(self.body.axes[0].box) - 1, len(self.kinds)
-        at = frozenset(k for k, (_, box) in enumerate(self.kinds) if self._within(box))
-        held = frozenset().union(*(self.kinds[k][0] for k in at))
+        at = (members for members, box in self.kinds if self._within(box))
+        held = frozenset[int]().union(*at)
         first = self.progress.after(frozenset(), 0, self._label(0, held), {})
         if first is None:
             return _pruned(self, steps)
-        node = self._number(home, home, 0, self._name(first))
-        waiting = {(home, 0): (np.array([node]), np.array([self._name(first)]))}
+        node, busy = self._number(home, home, 0, self._name(first)), self._last_start()
+        waiting: Waiting = {home: {0: (np.array([node]), np.array([self._name(first)]))}}
         for t in range(1, steps + 1):
             if self.over():
                 return None
@@ -101,17 +110,29 @@ class Search:
             self._wait(t, waiting)
             for kind, keys in arrived.items():
                 opens = np.array([key[3] for key in keys], np.int64)
-                waiting[kind, t] = (np.array([self._node[key] for key in keys]), opens)
+                nodes = np.array([self._node[key] for key in keys])
+                waiting.setdefault(kind, {})[t] = (nodes, opens)
+            if t >= busy:
+                self._finish(waiting)
             if self._is_too_large(t / steps):
                 return None
-        done = self._name(frozenset())
-        for nodes, opens in waiting.values():
-            self._ends.extend(nodes[opens == done].tolist())
         return _pruned(self, steps)
 
     def _is_too_large(self, part: float) -> bool:
         """Whether the graph is after this part of its steps: it grows ever faster, or evenly."""
         return self._legs > part * MOST_LEGS or sum(len(a[0]) for a in self._arcs) > MOST_ARCS
+
+    def _last_start(self) -> int:
+        """The step from which on nothing new is asked for."""
+        return max(self.progress.starting, default=0)
+
+    def _finish(self, waiting: Waiting) -> None:
+        """Let those end that have nothing left to do."""
+        done = self._name(frozenset())
+        for steps in waiting.values():
+            for s, (nodes, opens) in steps.items():
+                self._ends.extend(nodes[opens == done].tolist())
+                steps[s] = (nodes[opens != done], opens[opens != done])
 
     def _within(self, box: Floats) -> bool:
         start = np.array([axis.start[0] for axis in self.body.axes])
@@ -141,68 +162,47 @@ class Search:
         return np.array([-1 if o is None else self._name(o) for o in found], np.int64)[back]
 
     def _arrivals(
-        self, t: int, waiting: Mapping[tuple[int, int], tuple[Ints, Ints]]
+        self, t: int, waiting: Waiting
     ) -> dict[int, dict[tuple[int, int, int, int], None]]:
         """Visits of step t by kind, their arcs noted."""
         arrived: dict[int, dict[tuple[int, int, int, int], None]] = {}
         for kind, (members, _) in enumerate(self.kinds):
-            groups = [(key, *both) for key, both in waiting.items()
-                      if len(both[0]) and self._may(key, kind, t)]  # fmt: skip
+            groups = [
+                (before, *both) for before, steps in waiting.items()
+                for s, both in steps.items() if self._pace.may(before, s, kind, t) and len(both[0])
+            ]  # fmt: skip
             if not groups:
                 continue
             after = self._after(t, np.concatenate([g[2] for g in groups]), self._label(t, members))
             first = 0
-            for (before, _), nodes, opens in groups:
+            for before, nodes, opens in groups:
                 own = after[first : first + len(opens)]
                 first += len(opens)
                 fine = own >= 0
                 unique, back = np.unique(own[fine], return_inverse=True)
-                keys = [(before, kind, t, o) for o in unique.tolist()]
+                told = before if self.told else 0
+                keys = [(told, kind, t, o) for o in unique.tolist()]
                 targets = np.array([self._number(*key) for key in keys], np.int64)
                 arrived.setdefault(kind, {}).update(dict.fromkeys(keys))
                 self._arcs.append((nodes[fine], targets[back]))
                 self._legs += len({self._from[node] for node in nodes[fine].tolist()})
         return arrived
 
-    def _wait(self, t: int, waiting: dict[tuple[int, int], tuple[Ints, Ints]]) -> None:
+    def _wait(self, t: int, waiting: Waiting) -> None:
         """Take those that visit nothing at step t a step on."""
-        live = {key: both for key, both in waiting.items() if len(both[0])}
+        live = [(kind, s, *both) for kind, steps in waiting.items() for s, both in steps.items()
+                if len(both[0])]  # fmt: skip
         waiting.clear()
         if not live:
             return
-        after = self._after(t, np.concatenate([o for _, o in live.values()]),
+        after = self._after(t, np.concatenate([opens for *_, opens in live]),
                             self._label(t, frozenset()))  # fmt: skip
         first = 0
-        for key, (nodes, opens) in live.items():
+        for kind, s, nodes, opens in live:
             own = after[first : first + len(opens)]
             first += len(opens)
             if (own >= 0).any():
-                waiting[key] = (nodes[own >= 0], own[own >= 0])
-
-    def _may(self, key: tuple[int, int], kind: int, t: int) -> bool:
-        """Whether an agent can be at a kind of visit at t that was at another before."""
-        before, s = key
-        way, allowed = [], True
-        for d, axis in enumerate(self.body.axes):
-            box, range_ = self.boxes[kind, d], axis.box[t]
-            allowed &= box[0] <= range_[1] + _EDGE and box[1] >= range_[0] - _EDGE
-            here = self.boxes[before, d]
-            low, high = box[0] - here[1], box[1] - here[0]
-            fastest = float(np.abs(axis.box[s : t + 1, 2:]).max()) * (t - s)
-            allowed &= low <= fastest + _EDGE and high >= -fastest - _EDGE
-            way.append((low, high))
-        return bool(allowed) and self._fast_enough(way, s, t)
-
-    def _fast_enough(self, way: Sequence[tuple[float, float]], s: int, t: int) -> bool:
-        """Whether the faces of the speed polygon allow a way (low, high along each axis)."""
-        (xl, xh), (yl, yh) = way
-        start = np.array([axis.start[1] for axis in self.body.axes])
-        for nx, ny, c in self.body.faces:
-            most = max(c, float(nx * start[0] + ny * start[1])) if s == 0 else c
-            least = min(nx * xl, nx * xh) + min(ny * yl, ny * yh)
-            if least > most * (t - s) + _EDGE:
-                return False
-        return True
+                waiting.setdefault(kind, {})[s] = (nodes[own >= 0], own[own >= 0])
 
 
 def _pruned(search: Search, steps: int) -> Ways:

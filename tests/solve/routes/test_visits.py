@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from support.route_missions import boxes, collecting, optimum
 
-from stlc.api import loads
+from stlc.api import load, loads
 from stlc.backends import get
 from stlc.backends.base import SolveOptions, Status
 from stlc.errors import InfeasibleError
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.record import changed
 from stlc.solve import tuning
+from stlc.solve.relaxation.bodies import body_of
 from stlc.solve.routes.bounds import Bounds, only_effort, visits_of
+from stlc.solve.routes.boxes import places_of
 from stlc.solve.routes.finder import Routes
+from stlc.solve.routes.pace import Pace
 from stlc.solve.routes.visit_bound import Climb
 from stlc.solve.routes.visits import kinds_of
 from stlc.solve.strategies import run_strategy
 
+LONG = Path(__file__).parents[3] / "benchmarks" / "missions" / "long"
 ROUNDS = """step 1 s
 horizon 12
 workspace box [0, 10] x [0, 10]
@@ -69,6 +75,30 @@ def test_bounds_stay_below_the_optimum_and_come_near(name: str, share: float) ->
     found = bound(one, 1.2 * best)
     assert share * best <= found <= best + 1e-6
     assert bound(one, 0.5 * share * best) == pytest.approx(0.5 * share * best)
+
+
+def test_bound_without_where_agents_come_from_is_one_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The smaller graph, where the larger one has too many legs."""
+    one = compile_mission(loads(ROUNDS))
+    large = visits_of(Routes.of(one, lambda: False), "r")
+    assert large is not None
+    monkeypatch.setattr("stlc.solve.routes.visits.MOST_LEGS", 200)
+    small = visits_of(Routes.of(one, lambda: False), "r")
+    assert small is not None
+    assert len(small.ways.legs) < len(large.ways.legs)
+    best = optimum(one)
+    assert 0.4 * best <= Climb(small).bound(1.2 * best, lambda: False) <= best + 1e-6
+
+
+def test_prices_rise_on_where_heat_was_too_much(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Many ways of nearly the same cost: together and colder they rise on."""
+    one = compile_mission(load(LONG / "frugal_door_puzzle_N1_T20.stl"))
+    graph = visits_of(Routes.of(one, lambda: False), "robot")
+    assert graph is not None
+    best = 3.80833
+    found = Climb(graph).bound(best, lambda: False)
+    monkeypatch.setattr(tuning, "ROUTES", changed(tuning.ROUTES, coldest=tuning.ROUTES.heat))
+    assert 1.05 * Climb(graph).bound(best, lambda: False) <= found <= best
 
 
 def test_prices_better_a_bound() -> None:
@@ -172,6 +202,39 @@ def test_speaks_of_effort_only() -> None:
 def test_single_integrators_have_no_visits() -> None:
     one = compile_mission(loads(ROUNDS.replace("double", "single").replace("; speed <= 3", "")))
     assert visits_of(Routes.of(one, lambda: False), "r") is None
+
+
+def test_a_region_is_one_place_whatever_faces_are_out_of_reach() -> None:
+    """Early steps need no upper face, an `until` tells the faces one by one."""
+    text = """step 1 s
+horizon 8
+workspace box [0, 10] x [0, 10]
+agent r : double_integrator { start (5, 2); control |u| <= 0.5; speed <= 2 }
+region key = box [1, 2] x [3, 4]
+region door = box [8, 10] x [4, 6]
+require unlock: r in key or (r outside door until[0, 7] next r in key)
+minimize effort
+"""
+    one = compile_mission(loads(text))
+    grids = Routes.of(one, lambda: False)
+    body = body_of(one, one.mission.agents["r"], one.mission.objective)
+    assert body is not None
+    place, boxes = places_of(one, "r", grids.progress, grids.levels, body)
+    np.testing.assert_allclose(boxes, [[[1, 2], [3, 4]]], atol=1e-5)
+    assert set(place.values()) == {0}
+
+
+def test_pace_is_that_of_axes_polygon_and_start() -> None:
+    one = compile_mission(loads(ROUNDS))
+    body = body_of(one, one.mission.agents["r"], one.mission.objective)
+    assert body is not None
+    boxes = np.array([[[8, 9], [8, 9]], [[2, 2.5], [5, 6]], [[2, 2], [5, 5]]], float)
+    pace = Pace.of(body, boxes)
+    assert pace.need[2][1] == 1  # there already
+    assert pace.need[2][0] == 3  # 6.7 m at 3 m a step, whichever axis
+    assert not pace.may(2, 0, 0, 2)
+    assert pace.may(2, 0, 0, 3) == (pace.can_be[0][3])
+    assert not pace.can_be[0][1]
 
 
 def test_kinds_are_the_places_that_meet() -> None:
