@@ -15,6 +15,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from peer_effort import convert
+
 from stlc.files import write_atomic
 
 FOLDER = Path(__file__).parent
@@ -53,10 +55,19 @@ def stlc(*words: str) -> str:
     return done.stdout
 
 
+def _peers(suite: str, peer: Path) -> Path:
+    """The folder of another tool's models, made over where the suite minimises effort."""
+    if suite == "stlpy":
+        return peer.absolute()
+    target = CHECKOUT / "out" / "frugal"
+    convert(peer, target)
+    return target
+
+
 def record(suite: str, peer: Path | None) -> None:
     """Make the runs of a suite and write their report."""
     store = f"out/{suite}.sqlite"
-    beside = ["--peer", str(peer.absolute())] if peer and suite == "stlpy" else []
+    beside = ["--peer", str(_peers(suite, peer))] if peer and suite in ("stlpy", "long") else []
     for options in COMMANDS[suite]:
         stlc("bench", suite, *options.split(), *beside, "--store", store)
     page, table = f"out/{suite}.html", FOLDER / "results" / f"{suite}.csv"
@@ -68,7 +79,7 @@ def main() -> None:
     """Record the suites that are named, all if none is."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("suites", nargs="*", metavar="SUITE", help=", ".join(COMMANDS))
-    parser.add_argument("--peer", type=Path, help="folder of another tool's models, for stlpy")
+    parser.add_argument("--peer", type=Path, help="folder of stlpy's models, for stlpy and long")
     asked = parser.parse_args()
     for suite in asked.suites or COMMANDS:
         if suite not in COMMANDS:
