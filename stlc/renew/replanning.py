@@ -106,7 +106,8 @@ def replan(
         settings = replace(settings, start=_tail(old, past, room.mission))
     asked, memo = _sharing(replace(settings, save_to=None), room)
     outcome, room, given_up = _planned(left.mission, room, asked, listen)
-    plan, report = _whole(mission, past, outcome, memo)
+    judged = replace(mission, channels=room.mission.channels)  # cells reach to where agents are
+    plan, report = _whole(judged, past, outcome, memo)
     soft = tuple(_softened(e, outcome.plan, past.step) for e in room.exceeded)
     soft = tuple(s for s in soft if s.now > 0.0 or s.until is not None)
     renewed = Renewed(
