@@ -62,9 +62,18 @@ def undecided(oracle: Oracle) -> str:
     open_ = [r for r in oracle.mission.requirements if r.name not in known]
     if not known or not open_:
         return ""
-    beside = [f"`{r.name}`" + (f" ({r.span})" if r.span else "") for r in open_]
+    words = [f"`{r.name}`{_where(r, oracle)}" for r in open_]
     together = _listed([f"`{name}`" for name in sorted(known)])
-    return f"{together} can hold together; beside them it is open whether {_listed(beside)} can"
+    can, them = ("can hold together", "them") if len(known) > 1 else ("can hold", "it")
+    return f"{together} {can}; whether {_listed(words)} can beside {them} is open"
+
+
+def _where(requirement: Requirement, oracle: Oracle) -> str:
+    """` (line 12)`; with the file's name if it is an imported one."""
+    span = requirement.span
+    if span is None:
+        return ""
+    return f" (line {span.line})" if span.source is oracle.mission.source else f" ({span})"
 
 
 def _listed(words: list[str]) -> str:

@@ -46,8 +46,16 @@ def test_what_could_not_be_decided_is_named_with_its_place() -> None:
     assert begin(oracle) is Verdict.UNKNOWN
     assert [r.name for r in oracle.together] == ["low", "apart"]
     assert undecided(oracle) == (
-        "`apart` and `low` can hold together; beside them it is open whether `go` (m.stl:6:1) can"
+        "`apart` and `low` can hold together; whether `go` (line 6) can beside them is open"
     )
+
+
+@pytest.mark.usefixtures("hard")
+def test_one_requirement_that_can_hold_is_one() -> None:
+    text = "\n".join(line for line in FINE.splitlines() if not line.startswith("require low"))
+    oracle = Oracle(loads(text), "highs", Deadline.after(60.0))
+    assert begin(oracle) is Verdict.UNKNOWN
+    assert undecided(oracle) == "`apart` can hold; whether `go` (line 6) can beside it is open"
 
 
 @pytest.mark.usefixtures("hard")
