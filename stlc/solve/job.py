@@ -67,12 +67,18 @@ class Job:
         try:
             solution = self._solve()
             took = {"compile": compile_seconds, "solve": self.watch.seconds}
+            self._tell_stop()
             if solution is not None and not self._is_kept(solution):
                 return self._conclude(solution, took)
         except KeyboardInterrupt:
             self._stopped = True
+            self._tell_stop()
         took = {"compile": compile_seconds, "solve": self.watch.seconds}
         return self._stand(took)
+
+    def _tell_stop(self) -> None:
+        if self._stopped:
+            self.listen(StatusEvent("stop", "interrupted"))
 
     def _statistics(self) -> StatisticsEvent:
         m = self.compiled.model
@@ -153,8 +159,6 @@ class Job:
     def _stand(self, took: dict[str, float]) -> Outcome:
         """What is in hand when the solver ended early or was left behind."""
         standing = self.incumbent.standing()
-        if self._stopped:
-            self.listen(StatusEvent("stop", "interrupted"))
         if standing is None:
             if self._stopped:
                 raise self._without(InterruptedSolveError, _INTERRUPTED, self.incumbent.bound)

@@ -50,7 +50,7 @@ def test_a_point_at_the_end_of_its_tolerance_becomes_a_plan(compiled: Compiled) 
     plan, report = judge.accept(claim)
     assert report.ok
     assert report.requirements[0].robustness >= -1e-8
-    assert plan.certificate["continuous_part_solved_again"] is True
+    assert plan.certificate.as_dict()["continuous_part_solved_again"] is True
 
 
 def test_what_can_not_be_kept_more_exactly_stays_as_it_is(compiled: Compiled) -> None:
