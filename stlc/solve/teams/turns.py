@@ -1,8 +1,8 @@
 """First plans for teams: one agent after the other (prioritised planning).
 
 Each agent keeps to what is planned already (Erdmann and Lozano-Perez, On Multiple Moving Objects,
-1987). One that can't comes first in the next order; if it has been in that place before it is
-planned anew together with an agent in its way; then orders are drawn at random. Nothing is proven
+1987). One that can't is planned anew together with an agent in its way (if links bind it, when it
+fails again), or comes first in the next order; then orders are drawn at random. Nothing is proven
 here: what was found is completed to a point of the whole model.
 """
 
@@ -53,9 +53,9 @@ class Turns:
                 rest = [names[int(k)] for k in rng.permutation(len(names))]
 
     def _in_turn(self, order: Sequence[str], failed: list[str]) -> Runs | None:
-        """Runs planned in this order; who has none is added to `failed`. Another order is mostly
-        cheaper than two agents at once, which only one who failed before is given: the first plan
-        of prr_a4 took 3.6 s, else 14.5 s."""
+        """Runs planned in this order; who has none is added to `failed`. For agents bound by links
+        another order is mostly cheaper than two at once, which they get when they fail again: the
+        first plan of prr_a4 took 3.6 s, else 14.5 s."""
         runs: dict[str, tuple[Floats, Floats]] = {}
         for name in order:
             if self._keeps(name, runs):
@@ -63,7 +63,8 @@ class Turns:
                 continue
             answer = self._any((name,), runs)
             found = answer.runs
-            if found is None and answer.met and name in failed:
+            again = name in failed or not self.answers.couplings.bound[name]
+            if found is None and answer.met and again:
                 found = self._together(name, runs, answer)
             if found is None:
                 failed.append(name)
