@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from stlc.explain.prices import prices
+from stlc.explain.marginal_costs import prices
 from stlc.explain.words import place
 from stlc.grids import on_grids
 from stlc.mission import Mission

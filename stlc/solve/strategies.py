@@ -134,13 +134,13 @@ def _groups(work: Work) -> Work | Solution:
 
 
 def _routes(work: Work) -> Work | Solution:
-    from stlc.solve.routes.strategy import plan_routes
+    from stlc.solve.routes.plan_routes import plan_routes
 
     return plan_routes(work)
 
 
 def _lone(work: Work) -> Work:
-    from stlc.solve.alone.bounds import look_at_each
+    from stlc.solve.alone.effort_rows import look_at_each
 
     return look_at_each(work)
 

@@ -68,7 +68,7 @@ class Dive(Record):
 
 
 class Lone(Record):
-    """`alone/bounds.py`: one agent of a team alone."""
+    """`alone/effort_rows.py`: one agent of a team alone."""
 
     seconds: float = 20.0  # at most for each; flat
     share: float = 0.5  # of the time that is left, for all of them

@@ -26,7 +26,7 @@ from stlc.ir.rewrite import rewrite
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.mission import Mission
 from stlc.solve import tuning
-from stlc.solve.alone.bounds import safe, with_rows
+from stlc.solve.alone.effort_rows import safe, with_rows
 from stlc.solve.alone.loosened import loosened
 from stlc.solve.alone.pieces import Pieces
 from stlc.solve.alone.project import project

@@ -23,7 +23,7 @@ from stlc.radio.partition import Partition
 from stlc.scales import static_range, steps_of
 from stlc.solve.relaxation.asserted import asserted
 from stlc.solve.relaxation.bodies import body_of
-from stlc.solve.relaxation.costs import Costs
+from stlc.solve.relaxation.link_costs import Costs
 from stlc.solve.relaxation.problem import Apart, Body, Problem
 
 

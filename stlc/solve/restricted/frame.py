@@ -15,7 +15,7 @@ import numpy as np
 from stlc.arrays import Bools, Floats, Ints
 from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
-from stlc.solve.relaxation.costs import Touching
+from stlc.solve.relaxation.link_costs import Touching
 from stlc.solve.relaxation.problem import Problem
 from stlc.solve.restricted.free_choices import fix_free_choices, groups_of
 from stlc.solve.states.layers import Layer

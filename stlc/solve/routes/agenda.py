@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stlc.arrays import Floats
-from stlc.solve.routes.places import Places, Window
+from stlc.solve.routes.destinations import Places, Window
 from stlc.solve.routes.progress import Open
 
 

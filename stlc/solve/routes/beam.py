@@ -20,8 +20,8 @@ from stlc.ir.nodes import Linear, Node, Role, walk
 from stlc.mission import Agent, Mission
 from stlc.solve.routes.agenda import Agenda
 from stlc.solve.routes.controls import TOUCH, control_set, within_norm
+from stlc.solve.routes.destinations import Places
 from stlc.solve.routes.moves import Judge, Moves
-from stlc.solve.routes.places import Places
 from stlc.solve.routes.progress import Open, Progress
 
 Run = tuple[Floats, Floats]

@@ -10,10 +10,10 @@ import numpy as np
 from stlc.milp.compile import Compiled
 from stlc.solve.routes.beam import Beam, Run
 from stlc.solve.routes.controls import cell_sizes, reach_of
-from stlc.solve.routes.costs import StepCosts
+from stlc.solve.routes.destinations import Places
 from stlc.solve.routes.moves import Judge, LevelOf
-from stlc.solve.routes.places import Places
 from stlc.solve.routes.progress import Progress
+from stlc.solve.routes.step_costs import StepCosts
 from stlc.trajectories import Trajectories
 
 _NOBODY = Trajectories({}, {})

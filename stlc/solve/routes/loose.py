@@ -12,8 +12,8 @@ from stlc.arrays import Bools, Floats
 from stlc.ir.nodes import Linear, Link, Not, Role, walk
 from stlc.milp.compile import Compiled
 from stlc.mission import Mission, TermKind
+from stlc.solve.routes.destinations import Places
 from stlc.solve.routes.moves import Judge, LevelOf, Moves
-from stlc.solve.routes.places import Places
 
 EDGE = 1e-7
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from stlc.arrays import Bools, Floats, Ints
 from stlc.solve.relaxation.problem import Body
-from stlc.solve.routes.boxes import common
+from stlc.solve.routes.box_atoms import common
 from stlc.solve.routes.pace import Pace
 from stlc.solve.routes.progress import Open, Progress
 

@@ -13,7 +13,7 @@ from stlc.arrays import Floats
 from stlc.backends.base import Backend, Capability, SolveOptions, Status
 from stlc.errors import InfeasibleError
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
-from stlc.solve.alone.bounds import bounded
+from stlc.solve.alone.effort_rows import bounded
 from stlc.solve.alone.pieces import Pieces
 from stlc.solve.alone.run import LoneRun, Run
 from stlc.solve.crew.ask import Ask

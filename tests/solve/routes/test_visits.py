@@ -18,9 +18,9 @@ from stlc.milp.compile import Compiled, compile_mission
 from stlc.record import changed
 from stlc.solve import tuning
 from stlc.solve.relaxation.bodies import body_of
-from stlc.solve.routes.bounds import Bounds, only_effort, visits_of
-from stlc.solve.routes.boxes import places_of
+from stlc.solve.routes.box_atoms import places_of
 from stlc.solve.routes.finder import Routes
+from stlc.solve.routes.motion_bounds import Bounds, only_effort, visits_of
 from stlc.solve.routes.pace import Pace
 from stlc.solve.routes.visit_bound import Climb
 from stlc.solve.routes.visits import kinds_of

@@ -17,11 +17,11 @@ from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
 from stlc.mission import TermKind
 from stlc.solve import tuning
-from stlc.solve.alone.bounds import bounded, safe
+from stlc.solve.alone.effort_rows import bounded, safe
 from stlc.solve.alone.run import LoneRun
 from stlc.solve.deadline import Deadline
 from stlc.solve.relaxation.bodies import body_of
-from stlc.solve.routes.boxes import places_of
+from stlc.solve.routes.box_atoms import places_of
 from stlc.solve.routes.finder import Routes
 from stlc.solve.routes.loose import fits
 from stlc.solve.routes.nearby import FINDER, solved

@@ -9,9 +9,9 @@ import numpy as np
 
 from stlc.backends.base import Solution
 from stlc.solve import tuning
-from stlc.solve.routes.bounds import Bounds
 from stlc.solve.routes.finder import Effort, Routes
 from stlc.solve.routes.glance import glance
+from stlc.solve.routes.motion_bounds import Bounds
 from stlc.solve.routes.nearby import FINDER, bettered, polished, solved
 from stlc.solve.routes.tube import tube
 from stlc.solve.strategy import Work

@@ -11,7 +11,7 @@ from stlc.milp.compile import Compiled, compile_mission
 from stlc.mission import Mission
 from stlc.record import changed
 from stlc.solve import tuning
-from stlc.solve.alone.bounds import bounded, least, lone_runs
+from stlc.solve.alone.effort_rows import bounded, least, lone_runs
 from stlc.solve.alone.project import project
 from stlc.solve.judge import Judge
 from stlc.solve.strategies import LONE, NEIGHBOURHOODS, TURNS, run_strategies, run_strategy

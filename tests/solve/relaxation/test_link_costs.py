@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stlc.radio.partition import uniform_grid
-from stlc.solve.relaxation.costs import Costs, Touching
+from stlc.solve.relaxation.link_costs import Costs, Touching
 
 GRID = uniform_grid((0, 3), (0, 1), 3, 1)  # cells 0, 1, 2 in a row
 
