@@ -76,7 +76,7 @@ def test_unbounded_inputs_leave_an_unstable_state_unbounded() -> None:
     assert np.isposinf(ranges.state_upper[50, 0])
 
 
-@pytest.mark.parametrize("offset", [0.0, 5e6, 1e9])
+@pytest.mark.parametrize("offset", [0.0, 5e6, 9e7])
 def test_far_from_the_origin_rounding_cuts_nothing_off(offset: float) -> None:
     """The steps of a walk that just arrives, hundreds of steps long."""
     text = f"""step 0.1 s

@@ -93,7 +93,7 @@ def test_the_truth_is_certified() -> None:
     assert (certified.status, certified.objective, certified.gap) == (Status.OPTIMAL, 3.0, 0.0)
     assert certified.after is not None
     assert certified.after.rows == certified.after.bounds == certified.after.integrality == 0.0
-    assert certified.as_dict()["claim"] == {
+    assert certified.checked().as_dict()["claim"] == {
         "status": "optimal", "objective": 3.0, "solver": "fibber", "solver_version": "Fibber 1.0",
     }  # fmt: skip
 

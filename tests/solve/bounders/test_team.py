@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import os
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +14,7 @@ from support.link_missions import Variant, assert_same_optimum, compiled_mission
 from stlc import backends
 from stlc.arrays import Bools, Floats
 from stlc.backends.base import SolveOptions, Status
+from stlc.record import changed
 from stlc.solve import tuning
 from stlc.solve.bounders.agreement import Agreement, no_prices
 from stlc.solve.bounders.shares import coarsened
@@ -61,7 +61,7 @@ def test_same_optimum_by_branching_alone(
 ) -> None:
     """Prices from merged cells; next to nothing goes to the solver before it is small. Borders
     are cells never, from nodes of few states on, or always."""
-    small = replace(
+    small = changed(
         tuning.TEAM, coarse_cells=4 if borders < 1000 else 100, leaf_pairs=60, open_leaf_pairs=20,
         dive_pairs=60, border_states=borders,
     )  # fmt: skip
