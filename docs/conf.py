@@ -11,11 +11,12 @@ from stlc.version import __version__
 
 project = "stlc"
 release = version = __version__
-extensions = ["myst_parser"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax"]
 html_theme = "furo"
 html_title = f"stlc {version}"
 html_copy_source = False
 myst_heading_anchors = 3
+myst_enable_extensions = ["dollarmath"]
 exclude_patterns = ["_build"]
 
 _PLAIN = ("breach", "csv", "rtamt", "falcaun", "pgm", "stl-library")
