@@ -22,6 +22,13 @@ from stlc.solve.events import Listener, StatusEvent, ignore
 from stlc.solve.outcome import Outcome, SolveSettings
 from stlc.verify import Report, verify
 
+_EXACT = 1e-7
+"""Relative gap of what is given up: by one of 1e-4 a loss of 0.5 m would leave 5e-5 m to
+break what can be kept by."""
+
+_TOLERANCE = 1e-6
+"""A bound exceeded by less is kept, as the verifier has it."""
+
 
 @dataclass(frozen=True, slots=True)
 class Softened:
@@ -64,8 +71,8 @@ class Renewed:
 
     @property
     def kept(self) -> bool:
-        """Whether the plan keeps all that the mission asks for."""
-        return self.report.ok
+        """Whether the run keeps all that the mission asks for, what was measured included."""
+        return self.report.ok and not self.softened
 
     def text(self) -> str:
         """What a person sees."""
@@ -97,6 +104,7 @@ def replan(
     whole. Raises NoPlanError at a limit, InfeasibleError where even so nothing is left.
     """
     settings = settings or SolveSettings()
+    settings = replace(settings, tier_gap=min(settings.gap, _EXACT))
     if old is not None:
         mission = on_grids(mission, old.grids)
     mission = reestimated(mission, heard or {})
@@ -109,7 +117,7 @@ def replan(
     judged = replace(mission, channels=room.mission.channels)  # cells reach to where agents are
     plan, report = _whole(judged, past, outcome, memo)
     soft = tuple(_softened(e, outcome.plan, past.step) for e in room.exceeded)
-    soft = tuple(s for s in soft if s.now > 0.0 or s.until is not None)
+    soft = tuple(s for s in soft if s.now > _TOLERANCE or s.until is not None)
     renewed = Renewed(
         plan, report, outcome, left.done, left.lost, soft, given_up, on_grids(mission, plan.grids)
     )
@@ -186,7 +194,7 @@ def _whole(mission: Mission, past: Past, outcome: Outcome, memo: TableMemo) -> t
 
 def _softened(exceeded: Exceeded, rest: Plan, now: int) -> Softened:
     over = exceeded.excess(rest.runs[exceeded.agent].states[1:])
-    late = np.flatnonzero(over > 1e-6)
+    late = np.flatnonzero(over > _TOLERANCE)
     until = None if not len(late) else now + 1 + int(late[-1])
     return Softened(
         f"{exceeded.agent}: {exceeded.what}", exceeded.now, float(over.max(initial=0.0)), until,

@@ -23,6 +23,7 @@ class SolveSettings:
     is what a solver may overrun its time limit, or a wish to stop, before it is left behind in its
     thread; None waits for it. `threads` are those of the solver, and the processes that make the
     small solves of searches; `cluster` is the address of one that makes these instead.
+    `tier_gap` is that of tiers of preferences before the last; None is `gap`.
     """
 
     backend: str = "highs"
@@ -38,6 +39,7 @@ class SolveSettings:
     extra: dict[str, object] = field(default_factory=dict)
     grace: float | None = None
     cluster: str | None = None
+    tier_gap: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

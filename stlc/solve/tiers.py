@@ -1,6 +1,6 @@
 """Preferences in tiers: one solve for each priority, what came before held by caps.
 
-Tier 1 is minimised first; its optimum, and a solver's gap, become a cap for all that follow; the
+Tier 1 is minimised first; what its plan reaches becomes a cap for all that follow; the
 objective, with the preferences that are weighed against it, comes last (lexicographic goal
 programming; Ignizio, Goal Programming and Extensions, 1976).
 """
@@ -19,7 +19,11 @@ from stlc.solve.outcome import Outcome, SolveSettings
 
 SLACK = 1e-7
 """What a cap leaves above a tier's value. Later tiers use it up: well below the 1e-6 within which a
-preference is kept, well above the rounding that would leave no plan."""
+preference is kept, well above the rounding that would leave no plan. It is no part of the value:
+where one wish lacks 0.5, that would be 5e-5 for later tiers to break another by."""
+
+_ROUNDING = 1e-9
+"""What it leaves at least, as a part of a value of thousands."""
 
 _FIRST = 0.5
 """Part of a tier's time to find a plan by what it minimises alone, and then by the objective: of a
@@ -53,14 +57,20 @@ def solve_in_tiers(
             return solve(replace(mission, caps=tuple(caps)), asked, deadline)
         listen(StatusEvent("tier", label))
         held = replace(mission, caps=tuple(caps))
-        found = _tier(held, terms, replace(asked, save_to=None), listen, share, solve)
+        found = _tier(held, terms, _of_tier(asked), listen, share, solve)
         if found.plan.solve.status != "optimal":
             text = f"{label} is not proven best within its part of the time"
             listen(DiagnosticEvent("warning", text))
         value = found.plan.solve.objective or 0.0
-        caps.append(Cap(label, terms, value + max(SLACK, settings.gap * abs(value))))
+        caps.append(Cap(label, terms, value + max(SLACK, _ROUNDING * abs(value))))
         start = found.plan
     raise AssertionError("the objective is always the last stage")
+
+
+def _of_tier(settings: SolveSettings) -> SolveSettings:
+    """What a tier before the last is solved with: its plan is nobody's yet."""
+    gap = settings.gap if settings.tier_gap is None else settings.tier_gap
+    return replace(settings, save_to=None, gap=gap)
 
 
 def _tier(
