@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from stlc.explain.oracle import Oracle
     from stlc.explain.repair import Load
     from stlc.mission import Mission
-    from stlc.solve.deadline import Deadline
 
 _OFFERED = 5  # changes
 _EXPLAINING = 0.5  # part of the time, where changes are looked for afterwards
@@ -44,7 +43,7 @@ _EXPLAINING = 0.5  # part of the time, where changes are looked for afterwards
 @click.option("--fix", is_flag=True, help="Offer the smallest changes that give a plan.")
 @click.option("--apply", "out", type=click.Path(path_type=Path), metavar="OUT",
               help="Write a copy of FILE with a change made (implies --fix).")  # fmt: skip
-@click.option("--pick", type=click.IntRange(min=1), default=1, show_default=True, metavar="K",
+@click.option("--pick", type=click.IntRange(1, _OFFERED), default=1, show_default=True, metavar="K",
               help="Which of the changes `--apply` makes.")  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def explain_command(
@@ -63,6 +62,8 @@ def explain_command(
     given = _Words(**words)
     if plan is not None:
         return _explain_plan(file, define, allow_path, plan, given)
+    if given.out is not None and str(given.out) == "-":
+        raise click.UsageError("--apply writes a file: standard output has the list of changes")
     check_outputs(given.out)
     mission = load(file, define, allow_path)
     check_outputs(given.out)  # now that it is known what was read
@@ -115,6 +116,7 @@ def _explain_plan(
 def _explain(mission: Mission, load_text: Load, given: _Words) -> int:
     """Print the conflict, or every one, and changes; the exit status of `stlc explain`."""
     from stlc.explain.oracle import Oracle, Verdict
+    from stlc.explain.repair import Repairer
     from stlc.explain.whole import begin, undecided
     from stlc.solve.deadline import Deadline
 
@@ -131,36 +133,32 @@ def _explain(mission: Mission, load_text: Load, given: _Words) -> int:
         answer({"status": "feasible", "conflicts": []}) if given.as_json else click.echo(text)
         return 0
     found, complete = _conflicts(oracle, given.every)
-    changes = _changes(mission, found[0], load_text, given, end) if found else ()
+    repairer = Repairer(load_text, given.backend, end, GRACE)
+    changes = repairer.changes(mission, found[0], _OFFERED) if found and given.fixes else ()
     if given.as_json:
         answer(_as_dict(found, complete, changes))
     else:
-        _print(found, complete, changes, given)
+        _print(found, complete, given)
+        _offer(changes, repairer.open, given)
     if given.out is not None:
         _apply(changes, given)
     return InfeasibleError.exit_status
 
 
-def _changes(
-    mission: Mission, conflict: Conflict, load_text: Load, given: _Words, end: Deadline
-) -> tuple[Change, ...]:
-    """Changes that end the conflict, where they are asked for."""
-    from stlc.explain.repair import Repairer
-
-    if not given.fixes:
-        return ()
-    repairer = Repairer(load_text, given.backend, end, GRACE)
-    return repairer.changes(mission, conflict, max(_OFFERED, given.pick))
-
-
 def _apply(changes: Sequence[Change], given: _Words) -> None:
-    """Write the changed text; NoPlanError when there is no such change."""
+    """Write the changed text, and say so; NoPlanError without any change, UsageError where there
+    are fewer than the one that was picked."""
     from stlc.files import write_atomic
 
     assert given.out is not None
+    if not changes:
+        raise NoPlanError(f"{_offers(0)}: nothing was written to {given.out}")
     if len(changes) < given.pick:
-        raise NoPlanError(f"{_offers(len(changes))}: nothing was written to {given.out}")
-    write_atomic(given.out, changes[given.pick - 1].text)
+        few = f"--pick {given.pick} of {_offers(len(changes))}"
+        raise click.UsageError(f"{few}: nothing was written to {given.out}")
+    change = changes[given.pick - 1]
+    write_atomic(given.out, change.text)
+    click.echo(f"wrote {given.out}: change {given.pick}, {change}", err=given.as_json)
 
 
 def _as_dict(
@@ -174,24 +172,26 @@ def _as_dict(
     }
 
 
-def _print(
-    found: Sequence[Conflict], complete: bool, changes: Sequence[Change], given: _Words
-) -> None:
-    """Conflicts on standard error, their number and changes on standard output."""
+def _print(found: Sequence[Conflict], complete: bool, given: _Words) -> None:
+    """Conflicts on standard error, their number on standard output."""
     from stlc.cli.conflicts import show
 
     for conflict in found:
         show(conflict)
     if given.every:
         click.echo(_count(len(found), complete))
-    if given.fixes:
-        click.echo(
-            f"{_offers(len(changes))}, each with a verified plan; the smallest first:"
-            if changes
-            else "no change of the file's numbers gives a plan within the limit"
-        )
+
+
+def _offer(changes: Sequence[Change], is_open: bool, given: _Words) -> None:
+    """Changes on standard output, where they are asked for."""
+    if changes:
+        click.echo(f"{_offers(len(changes))}, each with a verified plan; the smallest first:")
         for number, change in enumerate(changes, start=1):
             click.echo(f"  {number}. {change}")
+    elif given.fixes and is_open:
+        click.echo("no change of the file's numbers was found within the limit to give a plan")
+    elif given.fixes:
+        click.echo("no single number of those named here gives a plan, nor any set of them tried")
 
 
 def _offers(number: int) -> str:

@@ -11,7 +11,7 @@ from stlc.backends.base import SolveOptions
 from stlc.errors import InfeasibleError, MissionError, NoPlanError, SolverError, UsageError
 from stlc.explain.givens import Given, Kind, givens_of
 from stlc.explain.oracle import Oracle, Question, Verdict, channels_of
-from stlc.explain.words import body_of, clause, parts_of, said, unit_of
+from stlc.explain.words import body_of, clause, parts_of, said, unit_of, when
 from stlc.ir.nodes import Always, Eventually, Link, Node, Until, walk
 from stlc.ir.requirement import Requirement
 from stlc.mission import ObjectiveTerm, TermKind
@@ -58,10 +58,18 @@ def _contradiction(pieces: Sequence[Requirement]) -> str:
     """Pieces that fail whatever is given."""
     words = [clause(p) for p in pieces]
     if len(pieces) == 1:
-        words = [f"`{said(part)}`" for part in parts_of(pieces[0])] or words
+        words = _together(pieces[0]) or words
     if len(words) == 1:
         return f"{words[0]} holds for no motion at all"
     return f"{_and(words)} contradict each other, however the agents move"
+
+
+def _together(piece: Requirement) -> list[str]:
+    """What a lone piece asks for at once; the left of an `until` up to and at its last step."""
+    words = [f"`{said(part)}`" for part in parts_of(piece)]
+    if isinstance(body_of(piece.formula), Until):
+        words = [f"{words[0]} up to then", words[1] + when(piece)]
+    return words
 
 
 def _and(words: Sequence[str]) -> str:

@@ -118,7 +118,7 @@ def conflict_of(oracle: Oracle, requirements: tuple[Requirement, ...]) -> Confli
     found = shrink.core(oracle, requirements)
     if not found or oracle.everybody(oracle.agents(found)) is Verdict.INFEASIBLE:
         return _without_requirements(oracle)
-    return finished(oracle, shrink.inside(oracle, found))
+    return finished(oracle, found)
 
 
 def all_conflicts(oracle: Oracle) -> Iterator[Conflict]:
@@ -132,12 +132,18 @@ def all_conflicts(oracle: Oracle) -> Iterator[Conflict]:
     oracle.note((), Verdict.FEASIBLE)
     for pieces in conflicts(oracle, oracle.mission.requirements):
         oracle.sure = True
-        yield finished(oracle, shrink.inside(oracle, pieces))
+        yield finished(oracle, pieces)
 
 
 def finished(oracle: Oracle, pieces: tuple[Requirement, ...]) -> Conflict:
-    """The conflict that minimal pieces make, with what is given, its cause and its proof."""
-    givens = shrink.needed(oracle, pieces)
+    """The conflict that minimal pieces make, with what is given, its cause and its proof.
+
+    What isn't needed goes before the pieces are cut down, lest steps fewer than those of a plain
+    contradiction bring in a start and a speed. What is kept stays needed: less is asked then.
+    """
+    every = shrink.given(oracle, pieces)
+    givens = shrink.minimal_givens(oracle, pieces, every)
+    pieces = shrink.inside(oracle, pieces, set(every) - set(givens))
     minimal = oracle.sure
     cause = cause_of(oracle, pieces, givens)
     bound = _bound(oracle.mission, pieces) if shrink.by_cells(givens) else None

@@ -58,9 +58,16 @@ class Step:
             )
             return f"{knob.name} {old} -> {new}, line {line}"
         delta = float(own[0].new) - number_in(own[0].span.text)
-        unit = "step" if knob.unit == "steps" and abs(delta) == 1 else knob.unit
+        unit = _unit_of_change(knob.unit, delta)
         change = f"{delta:+.4g} {unit}".rstrip()
         return f"{knob.name} {own[0].span.text} -> {own[0].new} ({change}), line {line}"
+
+
+def _unit_of_change(unit: str, delta: float) -> str:
+    """Of the difference of two values: levels differ by decibels."""
+    if unit == "steps" and abs(delta) == 1:
+        return "step"
+    return "dB" if unit == "dBm" else unit
 
 
 def number_in(text: str) -> float:

@@ -5,7 +5,7 @@ Each may be taken out of a question to see whether a conflict needs it. Taken ou
     control    a hundred times as wide          workspace   none
     speed      none                             turn rate   none
     state      none                             start       anywhere in the workspace
-    partition  links hold wherever they do at some point of a cell
+    partition  links hold wherever they do at some point of a cell      disturbance  none
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ class Kind(Enum):
     """What is given; a conflict drops them in this order where it can."""
 
     PARTITION = "partition"
+    DISTURBANCE = "disturbance"
     TURN_RATE = "turn_rate"
     WORKSPACE = "workspace"
     STATE = "state"
@@ -75,6 +76,9 @@ def _of(mission: Mission, agent: Agent) -> Iterator[Given]:
         Kind.START: ("start",),
     }
     here = {k: place_of(mission, agent.name, words) for k, words in keys.items()}
+    if agent.tube is not None:
+        place = place_of(mission, agent.name, ("disturbance",))
+        yield Given(Kind.DISTURBANCE, agent.name, span=place)
     if agent.turn_rate is not None:
         yield Given(Kind.TURN_RATE, agent.name, span=agent.turn_rate.span)
     for k, name in enumerate(model.states):
@@ -112,6 +116,8 @@ def _freed(agent: Agent, given: Given, space: Polytope | None) -> Agent:
     match given.kind:
         case Kind.TURN_RATE:
             return replace(agent, turn_rate=None)
+        case Kind.DISTURBANCE:
+            return replace(agent, tube=None)
         case Kind.STATE:
             return _unbounded(agent, (given.index,))
         case Kind.SPEED:

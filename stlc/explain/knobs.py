@@ -79,6 +79,8 @@ def _partitions(mission: Mission, givens: tuple[Given, ...]) -> Iterator[Knob]:
 
 # --- ways --------------------------------------------------------------------------------------
 
+_STEPS = (Of.BEGIN, Of.DEADLINE)
+_MORE = 10  # hops or instances at most: teams that a solver plans for are hardly larger
 _TIMES = {"s": 1.0, "ms": 1e-3, "min": 60.0}
 
 
@@ -93,7 +95,7 @@ def _ways(number: Number, mission: Mission) -> Iterator[Knob]:
 
 
 def _unit(number: Number) -> str:
-    if number.of is Of.DEADLINE:
+    if number.of in _STEPS:
         return "steps"
     return "m" if number.of in (Of.REGION, Of.OBSTACLE, Of.WORKSPACE, Of.START) else ""
 
@@ -101,7 +103,9 @@ def _unit(number: Number) -> str:
 def _grid(number: Number, way: int, mission: Mission) -> tuple[float, int, float]:
     """Step, number of steps at most, and the change that counts as 1."""
     value, size = number.value, abs(number.value)
-    if number.of is Of.DEADLINE:
+    if number.of is Of.COUNT:
+        return 1.0, round(size) if way < 0 else _MORE, max(size, 1.0)
+    if number.of in _STEPS:
         step = mission.step / _TIMES.get(number.unit, mission.step) if number.unit else 1.0
         least = mission.horizon + 10 if way > 0 else round(value / step)
         return step, least, max(size, step)

@@ -18,8 +18,10 @@ from stlc.syntax import ast
 class Of(Enum):
     """What a number is of."""
 
+    BEGIN = "begin"
     DEADLINE = "deadline"
     THRESHOLD = "threshold"
+    COUNT = "count"
     PROBABILITY = "probability"
     MARGIN = "margin"
     PARAMETER = "parameter"
@@ -102,27 +104,31 @@ class _Reader:
             case ast.Call(function=function, args=args):
                 yield from self._definition(function.text)
                 for arg in args:
+                    yield from self._in(arg)  # of `route` and `connected`
                     yield from self._number(arg, Of.PARAMETER)
             case ast.Name(text=text):
                 yield from self._definition(text)
 
     def _interval(self, interval: ast.Interval | None) -> Iterator[Number]:
-        for end in () if interval is None else (interval.start, interval.end):
-            if end is not None:
-                yield from self._number(end, Of.DEADLINE)
+        if interval is not None:
+            yield from self._number(interval.start, Of.BEGIN)
+            if interval.end is not None:
+                yield from self._number(interval.end, Of.DEADLINE)
 
     def _comparison(self, operands: tuple[ast.Expr, ...]) -> Iterator[Number]:
-        """What something is compared with; a probability beside the chance of a comparison."""
-        chance = any(isinstance(o, ast.Call) and o.function.text == "P" for o in operands)
+        """What something is compared with, and what stands in a chance or a count."""
+        of = _compared(operands)
         for operand in operands:
             if isinstance(operand, ast.Call) and operand.function.text == "P":
                 for arg in operand.args:
                     yield from self._in(arg)
+            elif isinstance(operand, ast.Quantifier):
+                yield from self._in(operand.body)
             elif isinstance(operand, ast.Tuple):
                 for item in operand.items:
                     yield from self._number(item, Of.THRESHOLD)
             else:
-                yield from self._number(operand, Of.PROBABILITY if chance else Of.THRESHOLD)
+                yield from self._number(operand, of)
 
     def _definition(self, name: str) -> Iterator[Number]:
         for statement in statements(self.file):
@@ -131,6 +137,18 @@ class _Reader:
 
     def _number(self, expr: ast.Expr, of: Of) -> Iterator[Number]:
         return _named(self.file, self.mission, expr, of)
+
+
+def _compared(operands: tuple[ast.Expr, ...]) -> Of:
+    """What a number is of beside these: a chance, a count of instances or of hops, or a value."""
+    for operand in operands:
+        if isinstance(operand, ast.Call) and operand.function.text == "P":
+            return Of.PROBABILITY
+        if isinstance(operand, ast.Quantifier) and operand.kind == "count":
+            return Of.COUNT
+        if isinstance(operand, ast.Name) and operand.text == "hops":
+            return Of.COUNT
+    return Of.THRESHOLD
 
 
 def _named(file: Source, mission: Mission, expr: ast.Expr, of: Of) -> Iterator[Number]:
@@ -165,24 +183,28 @@ def _places(file: Source, mission: Mission, formula: Node) -> Iterator[Number]:
         names |= {c.place: None for c in claims if c is not None and c.place is not None}
     for statement in statements(file):
         if isinstance(statement, ast.RegionDecl) and statement.name.text in names:
-            for n in _box(file, mission, statement.shape, Of.REGION):
-                yield _called(n, f"region {statement.name.text}")
+            name = f"region {statement.name.text}"
+            yield from _box(file, mission, statement.shape, Of.REGION, name)
         if isinstance(statement, ast.ObstacleDecl) and statement.name.text in names:
-            found = list(_box(file, mission, statement.shape, Of.OBSTACLE))
+            name = f"obstacle {statement.name.text}"
+            yield from _box(file, mission, statement.shape, Of.OBSTACLE, name)
             if statement.inflate is not None:
-                found += _named(file, mission, statement.inflate, Of.OBSTACLE)
-            for n in found:
-                yield _called(n, f"obstacle {statement.name.text}")
+                for n in _named(file, mission, statement.inflate, Of.OBSTACLE):
+                    yield _called(n, f"inflate of {name}")
 
 
-def _box(file: Source, mission: Mission, shape: ast.Shape, of: Of) -> Iterator[Number]:
+def _box(file: Source, mission: Mission, shape: ast.Shape, of: Of, name: str) -> Iterator[Number]:
+    """The edges of a box, named `lower x of region dock`."""
+    sides: dict[str, tuple[ast.Expr, ast.Expr]] = {}
     if isinstance(shape, ast.Prism):
-        yield from _box(file, mission, shape.base, of)
-        for end in shape.z:
-            yield from _named(file, mission, end, of)
-    if isinstance(shape, ast.Box):
-        for end in (*shape.x, *shape.y):
-            yield from _named(file, mission, end, of)
+        yield from _box(file, mission, shape.base, of, name)
+        sides = {"z": shape.z}
+    elif isinstance(shape, ast.Box):
+        sides = {"x": shape.x, "y": shape.y}
+    for axis, ends in sides.items():
+        for side, end in zip(("lower", "upper"), ends, strict=True):
+            for n in _named(file, mission, end, of):
+                yield _called(n, f"{side} {axis} of {name}")
 
 
 def _given(file: Source, mission: Mission, given: Given) -> Iterator[Number]:
@@ -190,13 +212,26 @@ def _given(file: Source, mission: Mission, given: Given) -> Iterator[Number]:
     if given.kind is Kind.WORKSPACE:
         for statement in statements(file):
             if isinstance(statement, ast.Workspace):
-                yield from _box(file, mission, statement.shape, Of.WORKSPACE)
-    if given.kind in (Kind.SPEED, Kind.CONTROL, Kind.STATE, Kind.START):
-        of = Of.START if given.kind is Kind.START else Of.BOUND
-        for item in properties(file):
-            if item.span == given.span:
-                for n in (n for arg in item.args for n in _bound(file, mission, arg, of)):
-                    yield _called(n, f"{item.key.text} of {given.owner}")
+                yield from _box(file, mission, statement.shape, Of.WORKSPACE, "the workspace")
+    for item in properties(file) if given.kind in _KINDS else ():
+        if item.span == given.span and given.kind is Kind.START:
+            yield from _start(file, mission, item, given.owner)
+        elif item.span == given.span:
+            for n in (n for arg in item.args for n in _bound(file, mission, arg, Of.BOUND)):
+                yield _called(n, f"{item.key.text} of {given.owner}")
+
+
+def _start(file: Source, mission: Mission, item: ast.Property, owner: str) -> Iterator[Number]:
+    """What a start is made of, each by the state that it is of."""
+    states = mission.agents[owner].dynamics.states
+    for arg in item.args:
+        parts = arg.items if isinstance(arg, ast.Tuple | ast.List) else (arg,)
+        for state, part in zip(states, parts, strict=False):
+            for n in _named(file, mission, part, Of.START):
+                yield _called(n, f"start {state} of {owner}")
+
+
+_KINDS = (Kind.SPEED, Kind.CONTROL, Kind.STATE, Kind.START, Kind.DISTURBANCE)
 
 
 def properties(file: Source) -> Iterator[ast.Property]:

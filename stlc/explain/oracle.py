@@ -115,13 +115,15 @@ class Oracle:
         """Whether it is proven that no run does."""
         return self(pieces, free) is Verdict.INFEASIBLE
 
-    def broken(self, piece: Requirement, others: Iterable[Requirement]) -> tuple[int, int] | None:
+    def broken(
+        self, piece: Requirement, others: Iterable[Requirement], free: Iterable[Given] = ()
+    ) -> tuple[int, int] | None:
         """First and last step at which a run that meets the others breaks the body of an `always`
         that is judged from step 0: where it is worth looking. None where no such run is known."""
         formula = piece.formula
         if not isinstance(formula, Always) or any(isinstance(n, Link) for n in walk(formula)):
             return None
-        asked = Question(frozenset(others))
+        asked = Question(frozenset(others), frozenset(free))
         agents = self.agents((piece, *asked.pieces))
         for run in reversed(self._runs):
             if run.answers(asked, agents):

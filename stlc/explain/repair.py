@@ -46,6 +46,7 @@ class Repairer:
     backend: str
     deadline: Deadline
     grace: float | None = None
+    open: bool = False  # time ran out, or some change that was looked at is undecided
     _tables: TableMemo = field(default_factory=dict)
 
     def changes(self, mission: Mission, conflict: Conflict, most: int = 5) -> tuple[Change, ...]:
@@ -56,6 +57,7 @@ class Repairer:
                 found.append(change)
             if len(found) == most:
                 break
+        self.open |= self.deadline.over()
         return tuple(sorted(found, key=lambda c: c.cost))
 
     def verdict(
@@ -71,11 +73,13 @@ class Repairer:
         asked = [r for r in changed.requirements if names is None or r.name in names]
         try:
             alone = not asked or names is None
-            if alone and oracle.everybody() is not Verdict.FEASIBLE:
-                return oracle.everybody()
-            return oracle(asked) if asked else Verdict.FEASIBLE
+            found = oracle.everybody() if alone else Verdict.FEASIBLE
+            if asked and found is Verdict.FEASIBLE:
+                found = oracle(asked)
         except MissionError:
             return None
+        self.open |= found is Verdict.UNKNOWN
+        return found
 
     def loaded(self, mission: Mission, made: Sequence[Step]) -> Mission | None:
         """The mission after some steps; None where the text is wrong."""
@@ -99,6 +103,7 @@ class Repairer:
         except InfeasibleError:
             return Verdict.INFEASIBLE
         except (MissionError, NoPlanError, SolverError):
+            self.open = True
             return Verdict.UNKNOWN
         return Verdict.FEASIBLE
 

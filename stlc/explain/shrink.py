@@ -7,7 +7,7 @@ asks for less. A part goes only where what is left is proven infeasible.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
@@ -108,19 +108,26 @@ def _groups(sets: Iterable[frozenset[str]]) -> list[frozenset[str]]:
     return groups
 
 
-def inside(oracle: Oracle, pieces: Pieces) -> Pieces:
-    """Down to parts of formulas and steps."""
+def inside(oracle: Oracle, pieces: Pieces, free: Collection[Given] = ()) -> Pieces:
+    """Down to parts of formulas and steps that conflict with `free` not given."""
+
+    def fails(some: Iterable[Requirement]) -> bool:
+        return oracle.infeasible(some, free)
+
     for piece in sorted(pieces, key=length_of, reverse=True):
         others = tuple(p for p in pieces if p is not piece)
-        shorter = _fewer_steps(oracle, _fewer_parts(oracle, piece, others), others)
+        shorter = _fewer_parts(piece, others, fails)
+        shorter = _fewer_steps(oracle, shorter, others, free)
         pieces = tuple(shorter if p is piece else p for p in pieces)
     split = tuple(p for piece in pieces for p in conjuncts(piece))
-    if len(split) > len(pieces) and oracle.infeasible(split):
-        return minimal(split, oracle.infeasible)
+    if len(split) > len(pieces) and fails(split):
+        return minimal(split, fails)
     return pieces
 
 
-def _fewer_parts(oracle: Oracle, piece: Requirement, others: Pieces) -> Requirement:
+def _fewer_parts(
+    piece: Requirement, others: Pieces, fails: Callable[[Iterable[Requirement]], bool]
+) -> Requirement:
     """Parts left out, wherever in the formula, as long as the conflict stays."""
     tried = 0
     while True:
@@ -128,13 +135,15 @@ def _fewer_parts(oracle: Oracle, piece: Requirement, others: Pieces) -> Requirem
         if tried >= len(ways):
             return piece
         shorter = replace(piece, formula=ways[tried])
-        if oracle.infeasible((*others, shorter)):
+        if fails((*others, shorter)):
             piece = shorter
         else:
             tried += 1
 
 
-def _fewer_steps(oracle: Oracle, piece: Requirement, others: Pieces) -> Requirement:
+def _fewer_steps(
+    oracle: Oracle, piece: Requirement, others: Pieces, free: Collection[Given]
+) -> Requirement:
     """The window of an `always` from step 0 cut down at its end, then at its start."""
     if not isinstance(piece.formula, Always):
         return piece
@@ -144,10 +153,10 @@ def _fewer_steps(oracle: Oracle, piece: Requirement, others: Pieces) -> Requirem
         return piece
 
     def fails(first: int, last: int) -> bool:
-        return oracle.infeasible((*others, narrowed(piece, first, last)))
+        return oracle.infeasible((*others, narrowed(piece, first, last)), free)
 
     first, last = ends
-    broken = oracle.broken(piece, others)
+    broken = oracle.broken(piece, others, free)
     if broken is not None and fails(*broken):
         first, last = broken
     last = _least(first, last, lambda t: fails(first, t))
@@ -166,10 +175,9 @@ def _least(low: int, high: int, holds: Callable[[int], bool]) -> int:
     return high
 
 
-def needed(oracle: Oracle, pieces: Pieces) -> tuple[Given, ...]:
-    """What is given that the conflict cannot do without."""
-    every = givens_of(oracle.mission, sorted(oracle.agents(pieces)), sorted(channels_of(pieces)))
-    return minimal_givens(oracle, pieces, every)
+def given(oracle: Oracle, pieces: Pieces) -> list[Given]:
+    """What agents and channels of the pieces are given."""
+    return givens_of(oracle.mission, sorted(oracle.agents(pieces)), sorted(channels_of(pieces)))
 
 
 def minimal_givens(oracle: Oracle, pieces: Pieces, every: Sequence[Given]) -> tuple[Given, ...]:

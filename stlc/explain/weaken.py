@@ -6,7 +6,7 @@ forms together is proven of the formulas. Parts are left out by polarity:
     phi and psi            phi                  where it counts positively
     not (phi or psi)       not phi
     always[a,b] phi        always[c,d] phi      a <= c <= d <= b
-    phi until[a,b] psi     eventually[a,b] psi
+    phi until[a,b] psi     eventually[a,b] psi, always[0,a] phi
 """
 
 from __future__ import annotations
@@ -53,9 +53,14 @@ def is_atom(node: Node) -> bool:
     """Whether a node is one condition of the file, whatever it is made of."""
     if node.member or node.swept or node.norms or not node.children:
         return True
-    if isinstance(node, Count | Network):
+    if isinstance(node, Count | Network) or _is_chance(node):
         return True
     return isinstance(node, And | Or) and all(c.span == node.span for c in node.children)
+
+
+def _is_chance(node: Node) -> bool:
+    """`P(always ..) >= p` whose risk the plan shares out: floors of all shares, and their sum."""
+    return isinstance(node, And) and any(isinstance(c, Count) and c.weights for c in node.args)
 
 
 def drops(node: Node, positive: bool = True) -> Iterator[Node]:
@@ -80,6 +85,7 @@ def drops(node: Node, positive: bool = True) -> Iterator[Node]:
         case Until(left=left, right=right, start=a, end=b):
             if positive:
                 yield Eventually(right, a, b, span=node.span)
+                yield Always(left, 0, a, span=node.span)
             yield from (replace(node, left=less) for less in drops(left, positive))
             yield from (replace(node, right=less) for less in drops(right, positive))
         case _:

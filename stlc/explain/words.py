@@ -36,12 +36,17 @@ def said(node: Node) -> str:
         return _swept(node.swept)
     if isinstance(node, And) and not is_atom(node):  # perhaps fewer than the text has
         return " and ".join(said(part) for part in node.args)
+    if isinstance(node, Until):
+        return f"({said(node.left)}) until {said(node.right)}"
     return "a part of it" if node.span is None else " ".join(node.span.text.split())
 
 
 def parts_of(piece: Requirement) -> tuple[Node, ...]:
-    """What a piece asks for at one and the same step, where that is more than one thing."""
+    """What a piece asks for at one and the same step, where that is more than one thing; both sides
+    of an `until`, which meet at its last step."""
     body = body_of(piece.formula)
+    if isinstance(body, Until):
+        return body.left, body.right
     return body.args if isinstance(body, And) and not is_atom(body) else ()
 
 
@@ -66,8 +71,6 @@ def body_of(node: Node) -> Node:
         match node:
             case Always(arg=arg) | Eventually(arg=arg):
                 node = arg
-            case Until(right=right):
-                node = right
             case Not(arg=Always() | Eventually() as arg):
                 node = arg
             case _:

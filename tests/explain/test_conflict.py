@@ -32,6 +32,13 @@ obstacle bar = box [6, 6.2] x [0, 10]
 require calm: always b.x <= 4 m
 """
 
+FREE = """
+horizon 8
+workspace box [0, 10] x [0, 10]
+agent a : single_integrator { start (1, 1); speed <= 3 }
+region left = box [5, 6] x [5, 6]
+"""
+
 
 def conflict(requirements: str, world: str = WORLD) -> Conflict:
     found = explain(loads(world + requirements))
@@ -80,9 +87,13 @@ def test_what_is_not_needed_inside_a_formula_is_left_out() -> None:
 
 
 def test_a_window_is_cut_down_to_the_steps_that_matter() -> None:
+    found = conflict("require go: eventually[6, 7] a in far\nrequire stay: always[0, 5] a.x <= 5\n")
+    pieces = {c.name: steps_of(c) for c in found.clauses}
+    assert pieces == {"go": (6, 7), "stay": (5, 5)}  # 4.5 m away, in two steps
     found = conflict("require go: eventually[6, 8] a in far\nrequire stay: always[0, 8] a.x <= 6\n")
     pieces = {c.name: steps_of(c) for c in found.clauses}
-    assert pieces == {"go": (6, 8), "stay": (7, 7)}  # 3.5 m away, in one step: before it and after
+    assert pieces == {"go": (6, 8), "stay": (6, 8)}  # at step 7 alone, given the speed
+    assert kinds(found) == set()
 
 
 def test_an_instance_of_a_quantifier_is_told_from_the_others() -> None:
@@ -169,3 +180,44 @@ def test_a_minimal_subset_of_a_monotone_property() -> None:
     for needed in ({3}, {0, 7}, {1, 2, 9}, set(range(10)), set()):
         kept = minimal(range(10), lambda xs, needed=needed: needed <= set(xs))
         assert set(kept) == needed
+
+
+def test_both_sides_of_an_until_are_named_where_they_conflict() -> None:
+    found = conflict("require d: (b.x <= 2) until[3, 5] (a in right and b.x >= 3)\n")
+    (said,) = says(found)
+    assert said == "`(b.x <= 2) until b.x >= 3` by step 5"
+    found = conflict("require d: (a.x <= 2) until[3, 5] a in left\n", FREE)
+    assert says(found) == ["`(a.x <= 2) until a in left` by step 5"]
+    assert found.cause.text == (
+        "`a.x <= 2` up to then and `a in left` by step 5 contradict each other, "
+        "however the agents move"
+    )
+
+
+def test_the_left_side_of_an_until_alone_is_named_alone() -> None:
+    found = conflict("require d: (a.x >= 4 and a.x <= 3) until[3, 5] a in left\n", FREE)
+    assert "until" not in found.cause.text
+    assert "in left" not in found.cause.text
+
+
+def test_a_plain_contradiction_is_not_cut_down_to_steps_that_need_a_start() -> None:
+    """Within fewer steps the speed would keep `a` away; in all of them nothing is needed."""
+    found = conflict("require in1: eventually a in left\nrequire out: always a.x <= 4\n", FREE)
+    assert kinds(found) == set()
+    assert found.cause.text.endswith("contradict each other, however the agents move")
+
+
+def test_a_disturbance_that_is_too_strong_is_named() -> None:
+    text = FREE.replace("speed <= 3", "control |u| <= 2; disturbance |w| <= 1.5")
+    found = conflict("require go: eventually[0, 8] a in left\n", text)
+    assert (Kind.DISTURBANCE, "a") in kinds(found)
+
+
+def test_a_chance_over_a_window_is_one_member() -> None:
+    chance = "P(always[2, 5] rssi(a, base) >= -30 dBm) >= 0.9"
+    radio = "channel radio { path_loss L0 = -40 dBm, n = 2; fading 9 dB^2; partition 4 x 4 }\n"
+    world = FREE + "station base at (5, 0)\n" + radio
+    oracle = Oracle(loads(f"{world}require p: {chance}\n"), "highs", Deadline.after(60.0))
+    assert begin(oracle) is None
+    (found,) = all_conflicts(oracle)
+    assert says(found) == [f"`{chance}`"]

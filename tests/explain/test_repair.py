@@ -75,7 +75,7 @@ def test_a_parameter_is_changed_where_it_is_declared() -> None:
     levels = [r for c in found for r in c.replacements if r.span.text == "-62"]
     assert levels
     assert levels[0].span.line == 5
-    assert "dBm" in str(found[0])
+    assert "(-2.2 dB)" in str(found[0])
 
 
 def test_parameters_of_bounds_and_places_are_changed_where_they_are_declared() -> None:
@@ -91,6 +91,59 @@ require go: eventually[0, 6] a in goal
     assert "deadline of go 6 -> 9 (+3 steps), line 7" in said
     found = {words.partition(" ->")[0] for words in said}
     assert {"parameter fast 1", "parameter near 9"} <= found
+    assert "start px of a 1 -> 3.2 (+2.2 m), line 5" in said
+
+
+NETWORK = """horizon 2
+workspace box [0, 10] x [0, 10]
+agent a : single_integrator { start (1, 1); control |u| <= 0.01 }
+agent b : single_integrator { start (8, 1); control |u| <= 0.01 }
+station base at (4, 1)
+channel radio { path_loss L0 = -40 dBm, n = 2; partition 10 x 10 }
+"""
+
+
+@pytest.mark.parametrize(
+    ("formula", "number"),
+    [
+        ("route(a, base, hops <= 2, rssi >= -40 dBm)", "threshold of n -40"),
+        ("connected([agents, base], rssi >= -40 dBm)", "threshold of n -40"),
+        ("route(a, b, [base], hops <= 1, rssi >= -55 dBm)", "count of n 1 -> 2 (+1)"),
+        ("always count(r in agents: r.x >= 4 m) >= 2", "count of n 2 -> 1 (-1)"),
+        ("always count(r in agents: r.x >= 4 m) >= 2", "threshold of n 4"),
+    ],
+)
+def test_numbers_within_networks_are_changed(formula: str, number: str) -> None:
+    said = {words for c in changes(f"{NETWORK}require n: {formula}\n") for words in c.words}
+    assert any(words.startswith(number) for words in said), said
+    assert not any("dBm)" in words for words in said)  # levels differ by decibels
+
+
+def test_a_disturbance_is_made_smaller() -> None:
+    text = """horizon 6
+workspace box [0, 10] x [0, 10]
+agent a : single_integrator { start (1, 1); control |u| <= 2; disturbance |w| <= 1.5 }
+region goal = box [6, 8] x [0, 2]
+require go: eventually[0, 6] a in goal
+"""
+    said = {words for c in changes(text) for words in c.words}
+    assert any(words.startswith("disturbance of a 1.5 -> ") for words in said)
+
+
+def test_edges_and_ends_of_windows_are_told_apart() -> None:
+    said = {words.partition(" ->")[0] for c in changes(THREE) for words in c.words}
+    assert not any(words.startswith("deadline of close") for words in said)
+    said = {words.partition(" ->")[0] for c in changes(EARLY) for words in c.words}
+    assert "begin of up 1" in said
+    assert "lower y of region goal 4" in said
+
+
+EARLY = """horizon 6
+workspace box [0, 12] x [0, 10]
+agent a : single_integrator { start (1, 1); control |u| <= 1 }
+region goal = box [0, 4] x [4, 6]
+require up: always[1, 6] a in goal
+"""
 
 
 def test_a_coarse_partition_is_made_finer() -> None:
@@ -156,8 +209,12 @@ def test_a_copy_is_written_and_no_input(tmp_path: Path) -> None:
     again = stlc("explain", "c.stl", "--apply", "c.stl", folder=tmp_path)
     assert again.returncode == 2
     assert (tmp_path / "c.stl").read_text() == LATE
+    assert "wrote d.stl: change 1, " in done.stdout
     beyond = stlc("explain", "c.stl", "--apply", "e.stl", "--pick", "99", folder=tmp_path)
-    assert beyond.returncode == 4
+    assert beyond.returncode == 2
+    stdout = stlc("explain", "c.stl", "--apply", "-", folder=tmp_path)
+    assert stdout.returncode == 2
+    assert not (tmp_path / "-").exists()
     assert not (tmp_path / "e.stl").exists()
 
 
@@ -166,3 +223,33 @@ def test_from_python(tmp_path: Path) -> None:
     assert [c.text for c in api_changes(tmp_path / "c.stl")] == [c.text for c in changes(LATE)]
     (tmp_path / "good.stl").write_text(changes(LATE)[0].text)
     assert api_changes(tmp_path / "good.stl") == ()
+
+
+def test_a_change_that_is_not_offered_cannot_be_picked(tmp_path: Path) -> None:
+    """Fewer were found: a mistake of who asks, told with their number."""
+    (tmp_path / "c.stl").write_text(ONE)
+    few = stlc("explain", "c.stl", "--apply", "e.stl", "--pick", "5", folder=tmp_path)
+    assert few.returncode == 2
+    assert not (tmp_path / "e.stl").exists()
+
+
+ONE = """horizon 2
+workspace box [0, 10] x [0, 10]
+agent a : single_integrator { start (1, 1); control |u| <= 1 }
+require odd: always a.x >= 3 and a.x <= 2
+"""
+
+
+def test_no_time_is_blamed_where_all_was_tried(tmp_path: Path) -> None:
+    (tmp_path / "c.stl").write_text(NONE)
+    done = stlc("explain", "c.stl", "--fix", folder=tmp_path)
+    assert done.returncode == 3
+    assert done.stdout.startswith("no single number of those named here gives a plan")
+
+
+NONE = """horizon 2
+workspace box [0, 10] x [0, 10]
+agent a : single_integrator { start (1, 1); control |u| <= 1 }
+agent b : single_integrator { start (1, 1); control |u| <= 1 }
+require odd: always (a.x <= b.x - 1 and b.x <= a.x - 1)
+"""
