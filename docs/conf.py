@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from pygments.lexers.special import TextLexer
@@ -18,13 +19,24 @@ html_copy_source = False
 myst_heading_anchors = 3
 myst_enable_extensions = ["dollarmath"]
 exclude_patterns = ["_build"]
+autodoc_member_order = "bysource"
+autodoc_typehints_format = "short"
 
 _PLAIN = ("breach", "csv", "rtamt", "falcaun", "pgm", "stl-library")
 """Languages of code blocks that nobody has colours for."""
 
 
+def _as_text(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
+    """Docstrings are plain text with code in single backticks: so says reStructuredText too."""
+    for number, line in enumerate(lines):
+        parts = line.split("`")
+        parts[::2] = [re.sub(r"([*|_\\])", r"\\\1", part) for part in parts[::2]]
+        lines[number] = "``".join(parts)
+
+
 def setup(app: Any) -> None:
     """Called by Sphinx."""
+    app.connect("autodoc-process-docstring", _as_text)
     app.add_lexer("stl", StlLexer)
     for name in _PLAIN:
         app.add_lexer(name, TextLexer)

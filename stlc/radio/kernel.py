@@ -5,7 +5,7 @@ With rho(y, y') = exp(-|y - y'|^2 / (2 l^2)):
 ``symmetrised``  [rho(y, y') + rho(y, s y')] / sqrt((1 + rho(y, s y)) (1 + rho(y', s y')))
     positive semi-definite with unit variance: the normalised average of a stationary kernel
     over the swap group (Ginsbourger, Roustant and Durrande, 2012).
-``paper_min``    max(rho(y, y'), rho(y, s y')), the paper's eq. (5) inside its kernel
+``paper_min``    max(rho(y, y'), rho(y, s y')), the paper's eq. (4) inside its kernel
     not positive semi-definite in general, therefore used only behind `check_covariance`.
 
 Two that tell the ends apart, for forecasts of links from senders of one kind to receivers of
@@ -107,7 +107,7 @@ def check_covariance(links: Array, length: float, kernel: KernelName) -> float:
     """Smallest eigenvalue of the correlation matrix of `links`.
 
     Raises KernelError when it is negative beyond rounding: then the kernel is no covariance
-    on these positions and eq. (3) and (6) of the paper have no meaning.
+    on these positions and eq. (3) and (5) of the paper have no meaning.
     """
     matrix = correlation(links, links, length, kernel)
     least = float(np.linalg.eigvalsh((matrix + matrix.T) / 2.0)[0])

@@ -3,7 +3,7 @@
 For centres c_1..c_M every posterior used here has the form
     mean(y)     = m(y) + k(y, c) w
     variance(y) = sigma_k^2 - |R k(c, y)|^2
-Exact conditioning (paper, eq. (3) and (6)): c are the samples, w = (C + D)^-1 (z - m),
+Exact conditioning (paper, eq. (3) and (5)): c are the samples, w = (C + D)^-1 (z - m),
 R = L^-1 with L L' = C + D. Inducing points (FITC; Snelson and Ghahramani, 2006): c are M
 chosen links, E = D + diag(C_ff - C_fu C_uu^-1 C_uf), B = C_uu + C_uf E^-1 C_fu,
 w = B^-1 C_uf E^-1 (z - m), R'R = C_uu^-1 - B^-1.

@@ -1,6 +1,6 @@
 """Seeded samples drawn from a channel's prior: `python -m stlc.radio.prior --help`.
 
-The defaults are the paper's channel (Section IV-C: L0 = -12.89, n = 3, sigma_F^2 = 10,
+The defaults are the paper's channel (Section V-B: L0 = -12.89, n = 3, sigma_F^2 = 10,
 sigma_k^2 = 10, l = 2 m) in the square [-5, 5]^2.
 """
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from support.markdown import Block, blocks, borrowed, preludes
 
+import stlc
 from stlc.api import loads
 from stlc.errors import MissionError
 
@@ -19,6 +20,9 @@ DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 ENTRY = "import sys; from stlc.cli import main; sys.argv[0] = 'stlc'; main()"
 LIMIT = 300  # s for one command, on a busy machine
 ELSEWHERE = {"import.md"}  # its commands are run by tests/dialects/test_docs.py
+
+
+NAMED = re.compile(r"`((?:stlc|grammar|backends|tests|examples|benchmarks)/[\w./]+)`")
 
 
 def _missions() -> list[tuple[Path, Block]]:
@@ -42,6 +46,18 @@ def _fill(folder: Path, document: Path) -> None:
     for block in found:
         if block.file:
             (folder / block.file).write_text(block.text, encoding="utf-8")
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=_id)
+def test_files_named_are_there(document: Path) -> None:
+    named = set(NAMED.findall(document.read_text(encoding="utf-8")))
+    assert [name for name in sorted(named) if not (ROOT / name).exists()] == []
+
+
+def test_every_public_name_is_in_the_reference() -> None:
+    text = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+    shown = set(re.findall(r"^\.\. auto\w+:: stlc\.(\w+)$", text, re.M))
+    assert set(stlc.__all__) - {"__version__"} <= shown
 
 
 @pytest.mark.parametrize(("document", "block"), _missions(), ids=_id)
