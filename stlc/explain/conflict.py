@@ -18,7 +18,7 @@ from stlc.backends.base import Solution, SolveOptions, Status
 from stlc.errors import InfeasibleError, NoPlanError
 from stlc.explain import shrink
 from stlc.explain.cause import Cause, cause_of
-from stlc.explain.givens import Given, givens_of
+from stlc.explain.givens import Given, Kind, givens_of
 from stlc.explain.marco import conflicts
 from stlc.explain.oracle import Oracle, Question, Verdict, channels_of
 from stlc.explain.whole import begin
@@ -26,7 +26,7 @@ from stlc.explain.words import clause, place, steps_of
 from stlc.ir.requirement import Requirement
 from stlc.ir.rewrite import measures
 from stlc.milp.compile import CompileOptions
-from stlc.mission import Bound, Mission
+from stlc.mission import Bound, Mission, PolygonKind
 from stlc.solve.bounded import by_deadline
 from stlc.solve.confirm import confirm_infeasible
 from stlc.solve.deadline import Deadline
@@ -48,7 +48,8 @@ class Conflict:
     of them, as without one of the clauses, the rest can hold, where it is `minimal`. `confirmation`
     names the solvers, or the interval analysis, that proved the conflict. `by_cells`: there is none
     when link predicates hold in every cell where they may at some point; the bound of theirs.
-    `questions` is how many models were asked.
+    `questions` is how many models were asked, `rounded` whether a bound given is an inscribed
+    polygon of a norm.
     """
 
     clauses: tuple[Requirement, ...]
@@ -59,11 +60,12 @@ class Conflict:
     cause: Cause = field(default_factory=lambda: Cause(""))
     agents: tuple[str, ...] = ()
     questions: int = 0
+    rounded: bool = False
 
     @property
     def by_faces(self) -> bool:
-        """Whether polygons stand for lengths in a clause: a true length may have a run still."""
-        return any(measures(c.formula) for c in self.clauses)
+        """Whether polygons stand for lengths in a member: the true ones may have a run still."""
+        return self.rounded or any(measures(c.formula) for c in self.clauses)
 
     @property
     def spans(self) -> tuple[Span | None, ...]:
@@ -150,8 +152,18 @@ def finished(oracle: Oracle, pieces: tuple[Requirement, ...]) -> Conflict:
     agents = tuple(n for n in oracle.mission.agents if n in oracle.agents(pieces))
     order = sorted(pieces, key=lambda p: _offset(p, oracle.mission))
     return Conflict(
-        tuple(order), minimal, _proof(oracle, pieces), bound, givens, cause, agents, oracle.asked
-    )
+        tuple(order), minimal, _proof(oracle, pieces), bound, givens, cause, agents, oracle.asked,
+        any(_is_rounded(g, oracle.mission) for g in givens),
+    )  # fmt: skip
+
+
+def _is_rounded(given: Given, mission: Mission) -> bool:
+    """Whether a bound is that of a norm, which a polygon within it stands for."""
+    agent = mission.agents.get(given.owner)
+    if agent is None or given.kind not in (Kind.SPEED, Kind.CONTROL):
+        return False
+    norms = agent.state_norms if given.kind is Kind.SPEED else agent.input_norms
+    return any(norm.kind is PolygonKind.INSCRIBED for norm in norms)
 
 
 def _offset(piece: Requirement, mission: Mission) -> int:

@@ -93,6 +93,11 @@ def _misplaced(agent: Agent, space: Polytope | None) -> str:
         low, high = agent.state_lower[k], agent.state_upper[k]
         if not low - TOLERANCE <= agent.start[k] <= high + TOLERANCE:
             return f"outside its bounds: {name} = {agent.start[k]:g} is not in [{low:g}, {high:g}]"
+    for bound in agent.state_norms:
+        size = float(np.linalg.norm(agent.start[list(bound.indices)]))
+        if size > bound.limit + TOLERANCE:
+            of = ", ".join(agent.dynamics.states[k] for k in bound.indices)
+            return f"outside its bounds: the norm of ({of}) is {size:g}, above {bound.limit:g}"
     return ""
 
 

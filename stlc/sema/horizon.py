@@ -103,5 +103,5 @@ def _past(node: Node, at: int, horizon: int, reach: Reach) -> PastHorizon:
         beyond = [c for c in node.children if after + reach.of(c) > horizon]
         if not beyond:
             break
-        node, at = beyond[0], after
+        node, at = max(beyond, key=reach.of), after
     return PastHorizon(span=node.span, needed=at + reach.of(node), horizon=horizon)

@@ -34,8 +34,8 @@ _STANDS = {
 
 
 FACES = (
-    "lengths are planned by polygons on the safe side, of 16 sides within 2 %: a run that keeps "
-    "the true length may exist; `distance(a, b, 64)` comes nearer"
+    "Euclidean lengths are planned by polygons on the safe side, of 16 sides within 2 %: a run "
+    "that keeps the true one may exist; `distance(a, b, 64)` or `speed <= 2 polygon 64` come nearer"
 )
 
 
@@ -50,7 +50,8 @@ def remedy(bound: Bound, finer: str = "") -> str:
 class Blame:
     """What fails: needed by step `deadline` (inclusive), possible from `earliest` (None: never).
 
-    `by_faces`: polygons stand for lengths in it. `by_cells`: what stands for cells doesn't offer
+    `by_faces`: polygons stand for lengths in it. `ahead`: it is about several steps together, so
+    none is its earliest. `by_cells`: what stands for cells doesn't offer
     the link in time, though points of them may; then `finer` is a partition to try.
     """
 
@@ -60,6 +61,7 @@ class Blame:
     by_cells: Bound | None = None
     finer: str = ""
     by_faces: bool = False
+    ahead: bool = False
 
     def __str__(self) -> str:
         """One sentence; a polygon that stands for a length is told of."""
@@ -75,6 +77,8 @@ class Blame:
                 f"{where}{what} is out of reach in time {_STANDS[self.by_cells]}: "
                 f"{remedy(self.by_cells, self.finer)}; at points of these cells it may hold"
             )
+        if self.ahead:
+            return f"{where}{what} is out of reach"
         if self.earliest is None:
             return f"{where}{what} is out of reach at every step"
         if self.earliest <= self.deadline:
@@ -131,8 +135,9 @@ class _Analysis:
         found = node.span or requirement.span
         by_cells = self._by_cells(node, first)
         finer = self._finer(node) if by_cells is not None else ""
-        faces = measures(node)
-        return Blame(found, last, self._earliest(node, first), by_cells, finer, faces)
+        faces, ahead = measures(node), _looks_ahead(node)
+        earliest = None if ahead else self._earliest(node, first)
+        return Blame(found, last, earliest, by_cells, finer, faces, ahead)
 
     def _by_cells(self, node: Node, step: int) -> Bound | None:
         """The bound of a part that fails by its cells, but may hold at points of them."""
@@ -219,3 +224,8 @@ class _Analysis:
         bounds = static_bounds(program.formulas, program.ranges, None, program.link_bounds)
         best = dict(zip(judged, (bounds[f][1] for f in program.formulas), strict=True))
         return [best.get(k, -1e300) >= self.margin - _TOLERANCE for k in range(len(parts))]
+
+
+def _looks_ahead(node: Node) -> bool:
+    """Whether it counts links of later steps."""
+    return any(isinstance(n, Link) and n.shift > 0 for n in walk(node))

@@ -32,11 +32,12 @@ def motion_violations(subject: Subject) -> Iterator[Violation]:
         room = half_widths(agent, subject.mission.horizon - past)
         yield from _bounds(agent, run, past, room)
         yield from _integers(agent, ahead, past)
-        states, inputs = ahead.states[1:], ahead.inputs
+        first = 1 if past else 0
+        states, inputs = ahead.states[first:], ahead.inputs
         if room is not None:  # the corner of the tube that is furthest out
-            states, inputs = np.abs(states) + room[0][1:], np.abs(inputs) + room[1]
+            states, inputs = np.abs(states) + room[0][first:], np.abs(inputs) + room[1]
         for bound in agent.state_norms:
-            yield from _norm(agent, bound, states, run.state_names, past + 1)
+            yield from _norm(agent, bound, states, run.state_names, past + first)
         for bound in agent.input_norms:
             yield from _norm(agent, bound, inputs, run.input_names, past)
         yield from _turn_rate(agent, ahead, past)

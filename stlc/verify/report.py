@@ -196,7 +196,8 @@ def _objective_lines(report: Report) -> list[str]:
     ends = report.objective
     best, worst = ends if report.sense is Sense.MINIMIZE else ends[::-1]
     tied = abs(worst - best) > 1e-9 * max(1.0, abs(worst))
-    remark = f" (best of tied cells; {worst:.8g} with the worst)" if tied else ""
+    said = "best of tied cells and of what polygons leave open"
+    remark = f" ({said}; {worst:.8g} with the worst)" if tied else ""
     lines = [f"  objective {best:.8g}{remark}"]
     return lines + [f"    {t.weight:+g} x {t.name} = {t.low:.8g}" for t in report.terms]
 

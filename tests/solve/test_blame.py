@@ -180,3 +180,28 @@ def test_a_length_that_is_out_of_reach_is_warned_of_by_its_true_value() -> None:
     assert [w.best for w in mission.warnings if isinstance(w, NeverFromStart)] == [
         pytest.approx(math.hypot(2.95, 0.6) - 3.2)
     ]
+
+
+def test_a_conflict_with_a_speed_by_a_polygon_says_so() -> None:
+    """8 m at 1 m/s within 8 steps, which the polygon of 16 sides misses by 2 %."""
+    text = LENGTH.replace("horizon 3", "horizon 8").replace("control |u| <= 0.01", "speed <= 1")
+    text = text.replace("(2.95, 0.6)", "(1, 1)").replace("always {what}", "eventually r.x >= 9")
+    found = explain(loads(text))
+    assert isinstance(found, Conflict)
+    assert found.by_faces
+
+
+def test_an_amount_out_of_reach_is_told_without_a_deadline() -> None:
+    text = (
+        LENGTH.replace("{what}", "r.x <= 9")
+        + """
+station base at (9, 9)
+channel wifi {
+  path_loss L0 = -40 dBm, n = 2.5; noise_floor -90 dBm; partition 40 x 40
+  rates (5 dB, 6 Mbit/s) (28 dB, 54 Mbit/s)
+}
+require film: delivered(r, base) >= 215 Mbit
+"""
+    )
+    with pytest.raises(Blamed, match=r"`delivered\(r, base\) >= 215 Mbit` is out of reach$"):
+        compile_or_blame(loads(text))

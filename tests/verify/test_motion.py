@@ -61,6 +61,13 @@ def test_integer_inputs():
     assert judged(one, *roll(one, np.rint(PUSH))).ok
 
 
+def test_a_norm_holds_at_the_start_too():
+    bound = NormBound((2, 3), 2.0, 16, PolygonKind.INSCRIBED)
+    fast = replace(agent("r1", (1, 1)), state_norms=(bound,), start=np.array([1.0, 1.0, 3.0, 0.0]))
+    brake = [[-1.0, 0.0]] + [[0.0, 0.0]] * (T - 1)
+    assert ("norm", 0) in kinds(judged(fast, *roll(fast, brake)))
+
+
 def test_inscribed_norm_is_euclidean():
     bound = NormBound((2, 3), 1.0, 8, PolygonKind.INSCRIBED)
     one = agent("r1", (1, 1), state_norms=(bound,))
