@@ -24,10 +24,20 @@ def opened(path: Path, what: str) -> Iterator[sqlite3.Connection]:
         raise UsageError(f"{path} is no {what}: {error}") from error
 
 
-def create(path: Path, schema: str, what: str) -> None:
-    """Make the file, its folder and its table. OutputError when it can't be written."""
+def make_folder(path: Path) -> None:
+    """Make the folder of a store that nobody named a place for. OutputError where it can't be."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot make the folder {path.parent}: {error.strerror}") from error
+
+
+def create(path: Path, schema: str, what: str) -> None:
+    """Make the file and its table, in a folder that is there. OutputError when it can't be
+    written."""
+    try:
+        if not path.parent.is_dir():
+            raise FileNotFoundError(f"there is no folder {path.parent}")
         with opened(path, what) as base:
             base.execute(schema)
     except (OSError, sqlite3.OperationalError) as error:

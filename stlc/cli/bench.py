@@ -122,6 +122,7 @@ def run_command(suites: tuple[str, ...], **words: Any) -> int:
     from stlc.bench.registry import chosen_suites, default_folder, load_suites
     from stlc.bench.schedule import schedule
     from stlc.bench.store import Store
+    from stlc.database import make_folder
 
     given = _Words(**words)
     folder = given.registry or default_folder()
@@ -131,6 +132,8 @@ def run_command(suites: tuple[str, ...], **words: Any) -> int:
         return 0
     jobs = schedule(folder, chosen, _choice(given), _limits(given))
     store = Store(given.store)
+    if given.store == _STORE:
+        make_folder(_STORE)
     store.create()
     complete = _make(jobs, store, given)
     click.echo(_closing(jobs, store))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,9 +12,10 @@ import click
 
 from stlc.cli.amount import Amount
 from stlc.cli.answer import answer
-from stlc.cli.common import check_outputs
+from stlc.cli.common import check_outputs, complain
 from stlc.cli.completion import backend_option
 from stlc.cli.interrupt import INTERRUPTED, interruptible
+from stlc.errors import MissionError, SolverError
 from stlc.files import real
 
 if TYPE_CHECKING:
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
     from stlc.sweep.work import Found, Keep, Task
 
 _STORE = Path("out/sweep.sqlite")
+_FAULTS = {"mistakes": MissionError.exit_status, "failed": SolverError.exit_status}
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +80,7 @@ def sweep_command(file: Path, **words: Any) -> int:
     Every plan is certified and verified. With --pareto, the trade-off curve of two costs for each
     combination. A sweep that was interrupted goes on where it was when it is called again.
     """
+    from stlc.database import make_folder
     from stlc.sweep.axes import Axis, points
     from stlc.sweep.store import Store
 
@@ -84,18 +88,21 @@ def sweep_command(file: Path, **words: Any) -> int:
     axes = [Axis.parse(text) for text in given.define]
     grid = points(axes)
     tasks = _tasks(file, grid, given)
+    _check_values(file, axes, given)
     check_outputs(given.csv_path, given.output)
     if given.output is not None:
         from stlc.sweep.picture import check_name
 
         check_name(given.output)
     store = Store(None if given.no_store else given.store)
+    if given.store == _STORE and not given.no_store:
+        make_folder(_STORE)
     store.create()
     with interruptible() as stop:
         found = dict(_found(tasks, store, given, stop))
     results = [(point, found[k]) for k, point in enumerate(grid) if k in found]
     _show(axes, tasks[0].costs, results, given)
-    return 0 if len(found) == len(grid) else INTERRUPTED
+    return _faults(results) if len(found) == len(grid) else INTERRUPTED
 
 
 def _tasks(file: Path, grid: Sequence[Point], given: _Words) -> list[Task]:
@@ -116,14 +123,56 @@ def _tasks(file: Path, grid: Sequence[Point], given: _Words) -> list[Task]:
     return [Task(Question(path, point, files, *limits), costs, given.points) for point in grid]
 
 
+@contextmanager
+def _beyond_proof() -> Iterator[None]:
+    """A mission that says by itself that it has no plan is a point like any other."""
+    from stlc.sweep.ask import is_proof
+
+    try:
+        yield
+    except MissionError as error:
+        if not is_proof(error):
+            raise
+
+
+def _check_values(file: Path, axes: Sequence[Axis], given: _Words) -> None:
+    """MissionError at the first value that the mission doesn't take, beside the first of others."""
+    from stlc.api import load
+
+    first = {axis.name: axis.values[0] for axis in axes}
+    for axis in axes:
+        for value in axis.values[1:]:
+            with _beyond_proof():
+                load(file, params=first | {axis.name: value}, allow_paths=given.allow_path)
+
+
+def _faults(results: Sequence[tuple[Point, Found]]) -> int:
+    """Tell why points couldn't be asked for, or no solver answered; the exit status."""
+    from stlc.sweep.frontier import Frontier
+
+    status = 0
+    for point, found in results:
+        said = found.why if isinstance(found, Frontier) else found
+        if said is None or said.status not in _FAULTS:
+            continue
+        complain(f"{_named(point)}: {said.message}")
+        status = status or _FAULTS[said.status]
+    return status
+
+
+def _named(point: Point) -> str:
+    return ", ".join(f"{name}={value}" for name, value in point)
+
+
 def _check_costs(file: Path, point: Point, costs: tuple[str, str], given: _Words) -> None:
     """MissionError or UsageError where one isn't a cost of the mission."""
     from stlc.api import load
     from stlc.sweep.costs import priced
 
-    mission = load(file, params=dict(point), allow_paths=given.allow_path)
-    for cost in costs:
-        priced(mission, cost, real(file).parent, given.allow_path)
+    with _beyond_proof():
+        mission = load(file, params=dict(point), allow_paths=given.allow_path)
+        for cost in costs:
+            priced(mission, cost, real(file).parent, given.allow_path)
 
 
 def _found(
@@ -144,8 +193,7 @@ def _found(
         click.echo(f"{done} of {len(tasks)} points are in {store.path}", err=True)
     for number, result in _made([task for _, task in open_], given, stop, store.add):
         done += 1
-        name = ", ".join(f"{k}={v}" for k, v in open_[number][1].question.params)
-        click.echo(f"[{done}/{len(tasks)}] {name}", err=True)
+        click.echo(f"[{done}/{len(tasks)}] {_named(open_[number][1].question.params)}", err=True)
         yield open_[number][0], result.found
 
 

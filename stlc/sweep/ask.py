@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from stlc import api
+from stlc.diagnostics import Severity
 from stlc.errors import (
     InfeasibleError,
     InterruptedSolveError,
@@ -29,6 +30,8 @@ from stlc.sweep.costs import priced
 
 FORMAT = 1
 """Of keys and answers: another one means that stored answers are not these."""
+
+_NO_PLAN = "E0705"  # a requirement can never hold: told by the mission's check already
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,10 +92,21 @@ class Answer:
         return Answer(**{**given, "given_up": tuple(given["given_up"])})
 
 
+def is_proof(error: MissionError) -> bool:
+    """Whether all that is wrong is that no plan can exist: an answer, and no slip of the pen."""
+    wrong = [d for d in error.diagnostics if d.severity is Severity.ERROR]
+    return bool(wrong) and all(d.code == _NO_PLAN for d in wrong)
+
+
 def digest(path: Path, params: Point, allow_paths: tuple[Path, ...]) -> str:
-    """Of all files that a mission reads, in the order of their contents. Raises as `api.load`."""
+    """Of all files that a mission reads, in the order of their contents. Raises as `api.load`,
+    but where it only says that there is no plan."""
     with recorded_inputs():
-        api.load(path, params=dict(params), allow_paths=allow_paths)
+        try:
+            api.load(path, params=dict(params), allow_paths=allow_paths)
+        except MissionError as error:
+            if not is_proof(error):
+                raise
         files = inputs_so_far()
     for file in files:
         note_input(file)
@@ -116,7 +130,7 @@ def answer(
     except NoPlanError as error:
         return Answer("no_plan", bound=error.bound, message=str(error))
     except MissionError as error:
-        return Answer("mistakes", message=str(error))
+        return Answer("infeasible" if is_proof(error) else "mistakes", message=str(error))
     except StlcError as error:
         return Answer("failed", message=str(error))
     if should_stop is not None and should_stop() and outcome.plan.solve.status != "optimal":

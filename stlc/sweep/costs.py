@@ -6,8 +6,11 @@ from dataclasses import replace
 from pathlib import Path
 
 from stlc import api
-from stlc.errors import UsageError
+from stlc.diagnostics import Diagnostic
+from stlc.errors import MissionError, UsageError
 from stlc.mission import Mission, ObjectiveTerm, TermKind
+from stlc.record import changed
+from stlc.source import Source, Span
 
 Terms = tuple[ObjectiveTerm, ...]
 
@@ -32,13 +35,20 @@ def priced(
 ) -> tuple[Mission, Terms]:
     """The terms of a cost in a mission's words, and the mission with what they are measured by.
 
-    MissionError where it isn't one, located behind the mission's text; UsageError for robustness,
+    MissionError where it isn't one, located in the words of `--pareto`; UsageError for robustness,
     which is no cost.
     """
-    text = f"{mission.source.text}\nminimize {cost}\n"
+    before = f"{mission.source.text}\nminimize "
     params = dict(mission.params)
     name = mission.source.name
-    longer = api.loads(text, name=name, params=params, folder=folder, allow_paths=allow_paths)
+    try:
+        longer = api.loads(
+            f"{before}{cost}\n", name=name, params=params, folder=folder, allow_paths=allow_paths
+        )
+    except MissionError as error:
+        told = Source("--pareto", cost)
+        moved = [_in_option(d, told, name, len(before)) for d in error.diagnostics]
+        raise MissionError(moved) from None
     first = len(_weighed(mission))
     found = tuple(_weighed(longer)[first:])
     if not found or any(term.kind is TermKind.ROBUSTNESS for term in found):
@@ -49,6 +59,21 @@ def priced(
     named = {term.requirement for term in found}
     times = (p for p in longer.preferences if p.name in named and p.name not in known)
     return replace(mission, preferences=(*mission.preferences, *times)), found
+
+
+def _in_option(found: Diagnostic, told: Source, name: str, skip: int) -> Diagnostic:
+    """A diagnostic that lies behind the mission's text, in that of the option."""
+
+    def moved(span: Span | None) -> Span | None:
+        """The place in the option; one in a file stays where it is."""
+        if span is None or span.source.name != name or span.end <= skip:
+            return span
+        last = len(told.text)
+        return told.span(min(max(span.start - skip, 0), last), min(span.end - skip, last))
+
+    notes = tuple(changed(note, span=moved(note.span)) for note in found.notes)
+    fix = None if moved(found.span) != found.span else found.fix
+    return changed(found, span=moved(found.span), notes=notes, fix=fix)
 
 
 def _weighed(mission: Mission) -> list[ObjectiveTerm]:

@@ -56,7 +56,9 @@ def _question(file: Path, **params: str) -> Question:
         ("v=0.1..0.5:0.1", ("0.1", "0.2", "0.3", "0.4", "0.5")),
         ("v=1..2:0.4 m/s", ("1 m/s", "1.4 m/s", "1.8 m/s")),
         ("v=-1..1:1", ("-1", "0", "1")),
-        ("v=1, 2 m/s", ("1", "2 m/s")),
+        ("v=1, 2 m/s", ("1 m/s", "2 m/s")),
+        ("v=1 km/h, 2, 3 m/s", ("1 km/h", "2 m/s", "3 m/s")),
+        ("v=1e2, 2e2", ("1e2", "2e2")),
         ("v=10..30:10", ("10", "20", "30")),
     ],
 )
@@ -64,7 +66,10 @@ def test_values_of_a_parameter(text: str, values: tuple[str, ...]) -> None:
     assert Axis.parse(text) == Axis("v", values)
 
 
-@pytest.mark.parametrize("text", ["v", "v=", "v=3..1:1", "v=1..2:0", "v=1,1", "v=1..1e9:1e-3"])
+@pytest.mark.parametrize(
+    "text",
+    ["v", "v=", "v=,", "v=3..1:1", "v=1..2:0", "v=0..-1", "v=1,1", "v=1..1e9:1e-3"],
+)
 def test_what_gives_no_values_is_refused(text: str) -> None:
     with pytest.raises(UsageError):
         Axis.parse(text)
