@@ -33,6 +33,22 @@ class ConflictingClauses(Diagnostic):
     remedy: str
 
 
+class NoRunAtAll(Diagnostic):
+    """No plan exists because an agent has no run, whatever is required.
+
+    Its dynamics always hold. Of its start, its bounds and the workspace, those named here cannot
+    all be kept until the horizon: without any one of them there is a run. Widen a bound or the
+    workspace, move the start, or end the mission earlier.
+    """
+
+    code: ClassVar[str] = "E0808"
+    title: ClassVar[str] = "no plan exists: `{agent}` has no run at all: no requirement is to blame"
+    label: ClassVar[str] = "{first} cannot be kept"
+    help: ClassVar[str] = "widen a bound or the workspace, move the start, or shorten the horizon"
+    agent: str
+    first: str
+
+
 def show_conflict(mission: Mission, backend: str, seconds: float, told: str) -> list[str]:
     """Print what conflicts in a mission that is proven infeasible, as found within `seconds`.
     Returns the names of its clauses.
@@ -52,11 +68,35 @@ def show(conflict: Conflict, told: str = "") -> None:
     """The clauses that conflict; without any, starts, dynamics and bounds rule out every run."""
     if conflict.clauses:
         return show_diagnostics([_diagnostic(conflict, told)])
+    if any(g.span is not None for g in conflict.givens):
+        return show_diagnostics([_no_run(conflict, told)])
     known = "" if told and told in conflict.confirmation else f" ({conflict.confirmation})"
     complain(
         f"no requirement is to blame: starts, dynamics, bounds and workspace alone rule out "
         f"every run{known}"
     )
+
+
+def _no_run(conflict: Conflict, told: str) -> Diagnostic:
+    """The agent that has no run, at the first of its own bounds that is in the way, or its start;
+    the others as notes. What was `told` already isn't said twice."""
+    placed = [g for g in conflict.givens if g.span is not None]
+    first = next((g for g in placed if g.owner), placed[0])
+    remarks = [Note(f"with this: {g}", g.span) for g in conflict.givens if g is not first]
+    remarks += _others(conflict)
+    if not told or told not in conflict.confirmation:
+        reason = conflict.cause.text.partition(": ")[2]
+        remarks.append(Note(f"cause: {reason}"))
+        proof = conflict.confirmation
+        remarks.append(Note(proof.removesuffix(reason).removesuffix(": ")))
+    (agent,) = conflict.agents
+    return NoRunAtAll(span=first.span, agent=agent, first=str(first), notes=tuple(remarks))
+
+
+def _others(conflict: Conflict) -> list[Note]:
+    """Further bounds that count as one with what is given."""
+    each = [(g, span) for g in conflict.givens for span in g.others]
+    return [Note(f"with this: `{span.text}` of {g.owner}", span) for g, span in each]
 
 
 def _remedy(several: bool, by_cells: Bound | None) -> str:
@@ -105,6 +145,7 @@ def _notes(conflict: Conflict, told: str) -> list[Note]:
         for part in parts_of(c)
     ]
     remarks += [Note(f"given this: {g}", g.span) for g in conflict.givens]
+    remarks += _others(conflict)
     if conflict.by_cells is not None:
         remarks.append(Note("the partition is the cause: points of its cells may have a plan"))
     if conflict.by_faces:

@@ -179,7 +179,7 @@ def _without_requirements(oracle: Oracle) -> Conflict:
         if alone(every):
             kept = tuple(shrink.one_by_one(every, alone))
             proof = _proof(oracle, ())
-            text = f"{name} has no run at all: {_reason(oracle)}"
+            text = f"{name} has no run at all: {_reason(oracle, alone.mission)}"
             return Conflict((), True, proof, None, kept, Cause(text), (name,), oracle.asked)
     return Conflict((), True, _proof(oracle, ()), agents=tuple(mission.agents))
 
@@ -191,19 +191,24 @@ class Alone:
     oracle: Oracle
     name: str
 
+    @property
+    def mission(self) -> Mission:
+        """The agent by itself, with nothing required."""
+        whole = self.oracle.mission
+        return replace(whole, agents={self.name: whole.agents[self.name]}, requirements=())
+
     def __call__(self, kept: object) -> bool:
-        mission = self.oracle.mission
         assert isinstance(kept, list)
-        free = set(givens_of(mission, [self.name], [])) - set(kept)
-        lone = replace(mission, agents={self.name: mission.agents[self.name]}, requirements=())
-        asked = Oracle(lone, self.oracle.backend, self.oracle.deadline, self.oracle.grace)
+        free = set(givens_of(self.oracle.mission, [self.name], [])) - set(kept)
+        asked = Oracle(self.mission, self.oracle.backend, self.oracle.deadline, self.oracle.grace)
         return asked.infeasible((), free)
 
 
-def _reason(oracle: Oracle) -> str:
-    """What interval analysis says of the bounds, if it does."""
+def _reason(oracle: Oracle, lone: Mission) -> str:
+    """What interval analysis says of the bounds of an agent, if it does."""
+    bare = replace(lone, objective=(), preferences=())
     try:
-        oracle.compiled(Question(frozenset()))
+        oracle.made(bare, CompileOptions(tables=oracle.tables), oracle.deadline)
     except InfeasibleError as error:
         return str(error)
     except NoPlanError:

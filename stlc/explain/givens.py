@@ -16,7 +16,7 @@ from enum import Enum
 
 import numpy as np
 
-from stlc.explain.places import place_of
+from stlc.explain.places import place_of, places_of
 from stlc.mission import Agent, Mission
 from stlc.places import Polytope
 from stlc.source import Span
@@ -40,12 +40,14 @@ class Kind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """One of them: `owner` is an agent or a channel, `index` a state; `span` its place."""
+    """One of them: `owner` is an agent or a channel, `index` a state; `span` its place, `others`
+    the places of more that is taken out with it."""
 
     kind: Kind
     owner: str = ""
     index: int = -1
     span: Span | None = field(default=None, compare=False)
+    others: tuple[Span, ...] = field(default=(), compare=False)
 
     def __str__(self) -> str:
         where = "" if not self.owner else f" of {self.owner}"
@@ -87,7 +89,8 @@ def _of(mission: Mission, agent: Agent) -> Iterator[Given]:
             yield Given(Kind.STATE, agent.name, k, place_of(mission, agent.name, words))
     bounded = [np.isfinite([agent.state_lower[k], agent.state_upper[k]]).any() for k in fast]
     if agent.state_norms or any(bounded):
-        yield Given(Kind.SPEED, agent.name, span=here[Kind.SPEED])
+        places = places_of(mission, agent.name, keys[Kind.SPEED])
+        yield Given(Kind.SPEED, agent.name, -1, here[Kind.SPEED], places[1:])
     if agent.input_norms or np.isfinite([agent.input_lower, agent.input_upper]).any():
         yield Given(Kind.CONTROL, agent.name, span=here[Kind.CONTROL])
     if mission.workspace is not None and model.position is not None:

@@ -216,7 +216,7 @@ def _given(file: Source, mission: Mission, given: Given) -> Iterator[Number]:
     for item in properties(file) if given.kind in _KINDS else ():
         if item.span == given.span and given.kind is Kind.START:
             yield from _start(file, mission, item, given.owner)
-        elif item.span == given.span:
+        elif item.span in (given.span, *given.others):
             for n in (n for arg in item.args for n in _bound(file, mission, arg, Of.BOUND)):
                 yield _called(n, f"{item.key.text} of {given.owner}")
 

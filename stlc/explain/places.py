@@ -25,8 +25,13 @@ def place_of(mission: Mission, owner: str | None, keys: Sequence[str]) -> Span |
     if owner is None:
         spaces = (s for s in statements(mission.source) if isinstance(s, ast.Workspace))
         return next((s.span for s in spaces), None)
+    return next(iter(places_of(mission, owner, keys)), None)
+
+
+def places_of(mission: Mission, owner: str, keys: Sequence[str]) -> tuple[Span, ...]:
+    """All properties of an agent or a channel with one of `keys`, in the order of the keys."""
     found = list(_properties(mission, owner))
-    return next((p.span for key in keys for p in found if p.key.text == key), None)
+    return tuple(p.span for key in keys for p in found if p.key.text == key)
 
 
 def _properties(mission: Mission, owner: str) -> Iterator[ast.Property]:

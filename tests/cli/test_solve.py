@@ -72,7 +72,25 @@ def test_a_mission_that_motion_alone_rules_out(tmp_path: Path) -> None:
     assert done.stderr.count("no value of px is left") == 1
     asked = stlc("explain", "c.stl", folder=tmp_path)
     assert asked.returncode == 3
-    assert "no value of px is left" in asked.stderr
+    assert "error[E0808]" in asked.stderr
+    assert "--> c.stl:3:51" in asked.stderr  # at the bound of its control
+    assert asked.stderr.count("no value of px is left") == 1
+
+
+def test_an_agent_that_cannot_keep_its_bounds_is_shown_at_them(tmp_path: Path) -> None:
+    """Another agent comes before it, which can keep its own."""
+    (tmp_path / "c.stl").write_text(
+        "horizon 8\nworkspace box [0, 10] x [0, 10]\n"
+        "agent a : single_integrator { start (1, 1); speed <= 1 }\n"
+        "agent c : double_integrator { start (5, 5, 2, 0); control |u| <= 1; speed <= 2; "
+        "vx >= 1.5 }\nrequire q: always c.y >= 1\n"
+    )
+    done = stlc("explain", "c.stl", folder=tmp_path)
+    assert done.returncode == 3
+    assert "`c` has no run at all" in done.stderr
+    assert "--> c.stl:4:69" in done.stderr
+    assert "with this: `vx >= 1.5` of c" in done.stderr
+    assert "cause: agent 'c' cannot keep its bounds" in done.stderr
 
 
 WRONG = {
