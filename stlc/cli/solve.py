@@ -113,7 +113,7 @@ def solve_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, .
     tell = listener(given.style)
     with interruptible() as stop:
         try:
-            outcome, *others = _solve(mission, settings, given, tell, stop)
+            (outcome, *others), fewer = _solve(mission, settings, given, tell, stop)
         except InfeasibleError as error:
             if given.no_explain:
                 raise
@@ -124,13 +124,16 @@ def solve_command(file: Path, define: tuple[str, ...], allow_path: tuple[Path, .
         outcome.plan.write_csv(given.csv_path)
     for place, other in zip(places[1:], others, strict=False):
         other.plan.write(place)
+    stale = _left_over(given, 1 + len(others))
     if given.as_json:
-        more = {"keeping": [asdict(price) for price in priced]}
+        more: dict[str, Any] = {"keeping": [asdict(price) for price in priced]}
         if given.solutions > 1:
             more["others"] = [other.as_dict() for other in others]
+            more |= {"fewer": fewer, "left_over": [str(path) for path in stale]}
         answer(outcome.as_dict() | more)
     else:
         click.echo("\n".join([_summary(outcome, priced), *(_summary(o, ()) for o in others)]))
+        _tell_fewer(fewer, stale)
     if outcome.refused is not None:
         complain(outcome.refused)
         return SolverError.exit_status
@@ -145,21 +148,38 @@ def _places(output: Path | None, count: int) -> list[Path]:
     return [output, *further]
 
 
+def _left_over(given: _Words, count: int) -> list[Path]:
+    """Files named like a further plan that aren't any of the `count` plans."""
+    if given.output is None or given.solutions == 1:
+        return []
+    places = _places(given.output, 1000)[count:]
+    return [path for path in places if path.is_file()]
+
+
+def _tell_fewer(fewer: str | None, stale: list[Path]) -> None:
+    """Why there are fewer plans than were asked for, and which files are none of them."""
+    if fewer is not None:
+        click.echo(f"note: {fewer}")
+    for path in stale:
+        click.echo(f"note: {path} is of an earlier run, none of these plans")
+
+
 def _solve(
     mission: Mission,
     settings: SolveSettings,
     given: _Words,
     tell: Listener,
     stop: Callable[[], bool],
-) -> tuple[Outcome, ...]:
-    """The plans asked for, the best one first; one at least."""
+) -> tuple[tuple[Outcome, ...], str | None]:
+    """The plans asked for, the best one first, one at least; and why there are fewer."""
     if given.solutions > 1:
         from stlc.solve.several import solve_several
 
-        return solve_several(mission, settings, given.solutions, given.different, tell, stop)
+        found = solve_several(mission, settings, given.solutions, given.different, tell, stop)
+        return found.plans, found.fewer
     from stlc.solve.driver import solve_mission
 
-    return (solve_mission(mission, settings, tell, stop),)
+    return (solve_mission(mission, settings, tell, stop),), None
 
 
 def _prices(

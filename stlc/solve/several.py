@@ -8,7 +8,7 @@ must differ by is a requirement like any other: it is encoded, certified and ver
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,8 +19,16 @@ from stlc.mission import Agent, Mission
 from stlc.plan import Plan, Run
 from stlc.solve.deadline import Deadline
 from stlc.solve.driver import solve_mission
-from stlc.solve.events import DiagnosticEvent, Listener, StatusEvent, ignore
+from stlc.solve.events import Listener, StatusEvent, ignore
 from stlc.solve.outcome import Outcome, SolveSettings
+
+
+@dataclass(frozen=True, slots=True)
+class Several:
+    """Plans, best first; `fewer` says why there are not as many as were asked for."""
+
+    plans: tuple[Outcome, ...]
+    fewer: str | None = None
 
 
 def solve_several(
@@ -30,11 +38,11 @@ def solve_several(
     distance: float,
     listen: Listener = ignore,
     should_stop: Callable[[], bool] | None = None,
-) -> tuple[Outcome, ...]:
+) -> Several:
     """At most `count` plans, best first, each pair `distance` [m] apart along an axis at some step.
 
     Each has an equal part of the time that is left. Fewer where there are no more, or none is found
-    in time: `listen` hears why. The first raises as `solve_mission`; UsageError where nothing of
+    in time. The first raises as `solve_mission`; UsageError where nothing of
     the mission has a position.
     """
     deadline = Deadline.after(settings.time_limit, should_stop)
@@ -51,19 +59,24 @@ def solve_several(
         except (InfeasibleError, NoPlanError) as error:
             if not found:
                 raise
-            listen(DiagnosticEvent("note", _no_more(error, len(found), distance)))
-            break
+            return _fewer(found, count, _no_more(error, len(found), distance))
         found.append(_own(mission, outcome))
-    return tuple(found)
+    return _fewer(found, count, "the time is up")
+
+
+def _fewer(found: list[Outcome], count: int, why: str) -> Several:
+    """The plans, and `why` there are no more where they are fewer than `count`."""
+    if len(found) == count:
+        return Several(tuple(found))
+    plans = "1 plan" if len(found) == 1 else f"{len(found)} plans"
+    return Several(tuple(found), f"{plans} of the {count} asked for: {why}")
 
 
 def _no_more(error: InfeasibleError | NoPlanError, count: int, distance: float) -> str:
-    plans = "1 plan" if count == 1 else f"{count} plans"
     if isinstance(error, InfeasibleError):
-        return f"there is none but these {plans} that differ by {distance:g} m: {error}"
-    if isinstance(error, InterruptedSolveError):
-        return f"interrupted after {plans}"
-    return f"after {plans}: {error}"
+        them = "it" if count == 1 else "each of them"
+        return f"no other differs from {them} by {distance:g} m"
+    return "interrupted" if isinstance(error, InterruptedSolveError) else str(error)
 
 
 def _with(mission: Mission, rules: list[Requirement]) -> Mission:
@@ -75,7 +88,9 @@ def _own(mission: Mission, outcome: Outcome) -> Outcome:
     names = {r.name for r in mission.requirements}
     plan = outcome.plan
     kept = tuple(value for value in plan.requirements if value.name in names)
-    return replace(outcome, plan=replace(plan, requirements=kept))
+    judged = tuple(r for r in outcome.report.requirements if r.name in names)
+    report = replace(outcome.report, requirements=judged)
+    return replace(outcome, plan=replace(plan, requirements=kept), report=report)
 
 
 def different(mission: Mission, plans: list[Plan], distance: float) -> list[Requirement]:

@@ -58,7 +58,7 @@ def _brute(mission: Mission, chosen: list[np.ndarray], distance: float) -> float
 @pytest.mark.parametrize("distance", [1.0, 2.0])
 def test_each_is_the_best_of_those_that_differ(distance: float) -> None:
     mission = api.loads(MISSION)
-    found = solve_several(mission, SolveSettings(), 3, distance)
+    found = solve_several(mission, SolveSettings(), 3, distance).plans
     assert len(found) == 3
     chosen: list[np.ndarray] = []
     for outcome in found:
@@ -76,10 +76,28 @@ def test_it_says_when_there_are_no_more() -> None:
         "agent a : single_integrator { start (1, 0); control |u| <= 1; integer }\n"
         "require low: always a.y <= 0.5 m\nminimize effort\n"
     )
-    told: list[object] = []
-    found = solve_several(mission, SolveSettings(), 5, 1.0, told.append)
-    assert sorted(round(float(o.plan.runs["a"].states[1, 0])) for o in found) == [0, 1, 2]
-    assert any("none but these 3 plans" in str(event) for event in told)
+    found = solve_several(mission, SolveSettings(), 5, 1.0)
+    assert sorted(round(float(o.plan.runs["a"].states[1, 0])) for o in found.plans) == [0, 1, 2]
+    assert found.fewer == "3 plans of the 5 asked for: no other differs from each of them by 1 m"
+    assert solve_several(mission, SolveSettings(), 3, 1.0).fewer is None
+
+
+def test_the_command_says_so_whatever_progress_it_shows(tmp_path: Path) -> None:
+    """Names that only the search gives stay in it; files of an earlier run are left, and named."""
+    (tmp_path / "m.stl").write_text(MISSION)
+    words = ("solve", "m.stl", "--progress", "none", "-o", "p.json", "--different")
+    three = stlc(*words, "1 m", "--solutions", "3", folder=tmp_path)
+    assert "different_" not in three.stdout
+    assert "note: p" not in three.stdout
+    one = stlc(*words, "3.5 m", "--solutions", "2", folder=tmp_path)
+    assert one.returncode == 0
+    told = "1 plan of the 2 asked for: no other differs from it by 3.5 m"
+    assert f"note: {told}\n" in one.stdout
+    assert "note: p-2.json is of an earlier run" in one.stdout
+    assert "note: p-3.json is of an earlier run" in one.stdout
+    again = json.loads(stlc(*words, "3.5 m", "--solutions", "2", "--json", folder=tmp_path).stdout)
+    assert again["fewer"] == told
+    assert again["left_over"] == ["p-2.json", "p-3.json"]
 
 
 def test_plans_in_space_may_differ_by_height() -> None:
@@ -89,7 +107,7 @@ def test_plans_in_space_may_differ_by_height() -> None:
         "agent a : drone { start (1, 1, 1); uz in [-1, 1]; ux in [0, 0]; uy in [0, 0] }\n"
         "require low: always a.z <= 5 m\nminimize effort\n"
     )
-    found = solve_several(mission, SolveSettings(), 3, 1.0)
+    found = solve_several(mission, SolveSettings(), 3, 1.0).plans
     assert sorted(round(float(o.plan.runs["a"].states[1, 2])) for o in found) == [0, 1, 2]
 
 
