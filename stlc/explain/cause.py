@@ -68,7 +68,9 @@ def _together(piece: Requirement) -> list[str]:
     """What a lone piece asks for at once; the left of an `until` up to and at its last step."""
     words = [f"`{said(part)}`" for part in parts_of(piece)]
     if isinstance(body_of(piece.formula), Until):
-        words = [f"{words[0]} up to then", words[1] + when(piece)]
+        plain = isinstance(piece.formula, Until)  # else its window counts from another step
+        judged = when(piece) if plain or not when(piece) else f" (judged{when(piece)})"
+        words = [f"{words[0]} up to then", words[1] + judged]
     return words
 
 

@@ -194,6 +194,11 @@ def test_both_sides_of_an_until_are_named_where_they_conflict() -> None:
     )
 
 
+def test_an_until_within_a_window_says_from_where_it_is_judged() -> None:
+    found = conflict("require d: always[0, 2] ((a.x <= 2) until[0, 5] a in left)\n", FREE)
+    assert "`a in left` (judged at step 0) contradict" in found.cause.text
+
+
 def test_the_left_side_of_an_until_alone_is_named_alone() -> None:
     found = conflict("require d: (a.x >= 4 and a.x <= 3) until[3, 5] a in left\n", FREE)
     assert "until" not in found.cause.text
