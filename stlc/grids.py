@@ -12,7 +12,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import ceil
 
+import numpy as np
+
 from stlc.mission import Mission
+from stlc.places import Polytope
 from stlc.radio.partition import Partition, even_grid
 
 FEWEST, FIRST, MOST = 4, 8, 32
@@ -61,6 +64,27 @@ def finer(mission: Mission) -> Mission | None:
     return on_grids(mission, wanted) if wanted else None
 
 
+def beyond(space: Polytope, out: float) -> float:
+    """How far the workspace and the cells at its border go on [m] for an agent that was measured
+    `out` [m] outside: twice that far, and a quarter of the workspace's width at least."""
+    wide = float(np.ptp(space.vertices, axis=0).min())
+    return max(2.0 * out, 0.25 * wide)
+
+
+def carried_on(mission: Mission, out: float) -> Mission:
+    """The mission with the cells at the workspace's border carried on beyond it, for `out` [m]."""
+    space = mission.workspace
+    if space is None:
+        return mission
+    low, high = space.vertices.min(axis=0), space.vertices.max(axis=0)
+    by = beyond(space, out)
+    channels = {
+        name: replace(c, partition=c.partition.carried_on(low, high, by))
+        for name, c in mission.channels.items()
+    }
+    return replace(mission, channels=channels)
+
+
 def text(found: Mapping[str, Shape]) -> str:
     """Grids in words: `radio` on 8 x 8 cells."""
     return ", ".join(
@@ -69,5 +93,11 @@ def text(found: Mapping[str, Shape]) -> str:
 
 
 def _on(partition: Partition, shape: Shape) -> Partition:
+    """The grid over the same box; one whose border cells go on beyond it as far as before."""
+    inner = partition.inner
+    if inner is not None:
+        low, high = inner.low.min(axis=0), inner.high.max(axis=0)
+        by = float(max((low - partition.low.min(axis=0)).max(), (partition.high - high).max()))
+        return _on(inner, shape).carried_on(low, high, by)
     ends = zip(partition.low.min(axis=0), partition.high.max(axis=0), strict=True)
     return even_grid([(float(low), float(high)) for low, high in ends], shape)

@@ -28,10 +28,12 @@ class Partition:
 
     boxes  (n, 2 D) [m]: x_lo, x_hi, y_lo, y_hi and, with D = 3, z_lo, z_hi
     edges  for a grid its increasing edges along each axis [m], one more than cells; else None
+    inner  the same cells before some went on beyond a box (`carried_on`); None where none does
     """
 
     boxes: Array
     edges: tuple[Array, ...] | None = None
+    inner: Partition | None = None
 
     def __post_init__(self) -> None:
         if self.boxes.ndim != 2 or self.boxes.shape[1] not in (4, 6) or not len(self.boxes):
@@ -92,6 +94,18 @@ class Partition:
         boxes[:, 1::2] = np.minimum(boxes[:, 1::2], high)
         kept = (boxes[:, 1::2] - boxes[:, 0::2] > TOUCH).all(axis=1)
         return Partition(boxes[kept])
+
+    def carried_on(self, low: Array, high: Array, by: float) -> Partition:
+        """Cells at the border of a box in the plane, `low` and `high` (2,) [m], so much wider."""
+        boxes = self.boxes.copy()
+        edges = None if self.edges is None else [e.copy() for e in self.edges]
+        for axis in (0, 1):
+            first, last = boxes[:, 2 * axis], boxes[:, 2 * axis + 1]
+            first[first <= low[axis] + TOUCH] -= by
+            last[last >= high[axis] - TOUCH] += by
+            if edges is not None:
+                edges[axis][0], edges[axis][-1] = first.min(), last.max()
+        return Partition(boxes, None if edges is None else tuple(edges), self.inner or self)
 
     def common_grid(self) -> tuple[Partition, Ints]:
         """The coarsest grid that refines this partition, and the cell (n_grid,) that holds each

@@ -15,13 +15,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stlc.arrays import Floats
+from stlc.grids import beyond, carried_on
 from stlc.ir.nodes import Always, And, Linear, Node, Role, Signal
 from stlc.ir.rewrite import conjuncts
 from stlc.milp.polygons import norm_faces
-from stlc.mission import Agent, Channel, Mission, NormBound, TermKind
+from stlc.mission import Agent, Mission, NormBound, TermKind
 from stlc.places import Polytope
 from stlc.preferences import Preference
-from stlc.radio.partition import Partition
 from stlc.renew.progression import unit_of
 
 _HELD = 1e-9
@@ -186,14 +186,8 @@ def _face(agent: Agent, factors: Mapping[int, float], constant: float, unit: str
 
 
 def _in_wider_space(mission: Mission, space: Polytope, out: float) -> Mission:
-    """Workspace and cells with twice the room that is missing, and a workspace's width at least.
-
-    Cells at the border go on into it: a link there is taken for one in the cell beside it.
-    """
-    wide = float(np.ptp(space.vertices, axis=0).min())
-    grow = max(2.0 * out, 0.25 * wide)
-    channels = {name: _with_margin(c, grow) for name, c in mission.channels.items()}
-    return replace(mission, workspace=_grown(space, grow), channels=channels)
+    """Workspace and cells with room for who is outside; see `stlc.grids.beyond`."""
+    return replace(carried_on(mission, out), workspace=_grown(space, beyond(space, out)))
 
 
 def _grown(space: Polytope, by: float) -> Polytope:
@@ -202,22 +196,6 @@ def _grown(space: Polytope, by: float) -> Polytope:
     pairs = zip(range(-1, len(normals) - 1), range(len(normals)), strict=True)
     corners = [np.linalg.solve(normals[[i, k]], offsets[[i, k]]) for i, k in pairs]
     return Polytope(normals, offsets, np.array(corners))
-
-
-def _with_margin(channel: Channel, grow: float) -> Channel:
-    """The channel with its outermost cells so much wider in the plane [m]."""
-    cells = channel.partition
-    boxes = cells.boxes.copy()
-    for axis in (0, 1):
-        low, high = 2 * axis, 2 * axis + 1
-        first, last = boxes[:, low].min(), boxes[:, high].max()
-        boxes[boxes[:, low] == first, low] -= grow
-        boxes[boxes[:, high] == last, high] += grow
-    edges = cells.edges
-    if edges is not None:
-        wider = [np.concatenate([[e[0] - grow], e[1:-1], [e[-1] + grow]]) for e in edges[:2]]
-        edges = (*wider, *edges[2:])
-    return replace(channel, partition=Partition(boxes, edges))
 
 
 def _first(mission: Mission) -> int:

@@ -114,8 +114,7 @@ def replan(
         settings = replace(settings, start=_tail(old, past, room.mission))
     asked, memo = _sharing(replace(settings, save_to=None), room)
     outcome, room, given_up = _planned(left.mission, room, asked, listen)
-    judged = replace(mission, channels=room.mission.channels)  # cells reach to where agents are
-    plan, report = _whole(judged, past, outcome, memo)
+    plan, report = _whole(mission, past, outcome, memo)
     soft = tuple(_softened(e, outcome.plan, past.step) for e in room.exceeded)
     soft = tuple(s for s in soft if s.now > _TOLERANCE or s.until is not None)
     renewed = Renewed(
@@ -139,6 +138,13 @@ def _sharing(settings: SolveSettings, room: Eased) -> tuple[SolveSettings, Table
         return settings, {}
     memo = {} if options.tables is None else options.tables
     return replace(settings, compile=replace(options, tables=memo)), memo
+
+
+def _unshared(settings: SolveSettings) -> SolveSettings:
+    """Settings for a mission whose cells are others than those of the tables shared so far."""
+    if settings.compile is None:
+        return settings
+    return replace(settings, compile=replace(settings.compile, tables=None))
 
 
 def _tail(old: Plan, past: Past, left: Mission) -> Plan:
@@ -172,7 +178,8 @@ def _planned(
     for trial, standing in ((room, True), (room, False), (every, True), (every, False)):
         wishes, owner = softened(trial.mission, left, standing=standing)
         try:
-            outcome = solve_mission(wishes, settings, listen)
+            asked = settings if trial is room else _unshared(settings)
+            outcome = solve_mission(wishes, asked, listen)
         except (InfeasibleError, UsageError):  # or nothing bounds what is lacking
             continue
         broken = {owner.get(p.name) for p in outcome.report.preferences if not p.kept}

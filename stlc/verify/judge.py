@@ -24,7 +24,7 @@ from stlc.verify.prisms import levels_of
 from stlc.verify.report import Clearance, Report, RequirementReport, Violation
 from stlc.verify.requirements import SweptOverride, judge, position_findings, requirement_violations
 from stlc.verify.shapes import Bodies
-from stlc.verify.subject import Subject, make_subject, stale
+from stlc.verify.subject import Subject, make_subject, stale, with_room
 from stlc.verify.together import passages
 from stlc.verify.trace import Trace
 from stlc.verify.tubes import half_widths, spread_of
@@ -43,8 +43,8 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
     `tables` saves making a channel's tables again; grids that channels chose are the plan's.
     Raises UsageError when the plan doesn't fit the mission's shape.
     """
-    mission = on_grids(mission, plan.grids)
-    subject = make_subject(mission, plan, tables)
+    subject = with_room(make_subject(on_grids(mission, plan.grids), plan, tables))
+    mission = subject.mission
     cells = CellModel(subject)
     true = TrueModel(subject, cells)
     on_cells = since(plan.executed, true.robustness, cells.robustness)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stlc.channels import ChannelTables
 from stlc.errors import UsageError
+from stlc.grids import carried_on
 from stlc.ir.nodes import Role
 from stlc.mission import Dynamics, Mission
 from stlc.plan import Plan, Run, mission_digest
@@ -51,6 +52,21 @@ def make_subject(mission: Mission, plan: Plan, tables: ChannelTables | None) -> 
         if space is not None:
             positions[name] = plan.runs[name].states @ space.T
     return Subject(mission, plan, tables or ChannelTables(mission), positions)
+
+
+def with_room(subject: Subject) -> Subject:
+    """Where a run gets out of the workspace on its way, cells at the border go on, as far as where
+    it was measured asks for."""
+    space, now = subject.mission.workspace, subject.plan.executed
+    if space is None or not now:
+        return subject
+    places = [at[now:, :2] for n, at in subject.positions.items() if n in subject.mission.agents]
+    out = [(p @ space.normals.T - space.offsets).max(axis=1) for p in places]
+    if not max((float(o.max()) for o in out), default=0.0) > TOLERANCE:
+        return subject
+    measured = max(max(float(o[0]) for o in out), 0.0)
+    mission = carried_on(subject.mission, measured)
+    return replace(subject, mission=mission, tables=ChannelTables(mission))
 
 
 _LARGEST = 1e15  # of states and inputs: beyond it doubles have no digits after the point

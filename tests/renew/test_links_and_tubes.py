@@ -45,6 +45,23 @@ def test_links_go_on_beyond_the_workspace(cells: str) -> None:
     assert not found.lost
 
 
+@pytest.mark.parametrize("cells", ["5 x 5", "quadtree 4 x 4 tolerance 3 dB cells 60", "auto"])
+def test_links_beyond_the_workspace_are_judged_alike(cells: str) -> None:
+    """Outside for some steps: whoever judges the plan later gives links the same values, those of
+    the cells at the border."""
+    text = RADIO.replace("CELLS", cells).replace("channel c {", "channel c { noise_floor -90 dBm;")
+    mission = api.loads(text)
+    plan = api.solve(mission).plan
+    found = api.replan(mission, plan, 2, {"a": np.array([-4.0, 5.0, 0.0, 0.0])})
+    assert (found.plan.runs["a"].states[3:, 0] < -1.0).any()
+    (said,) = (r for r in found.report.requirements if r.name == "talk")
+    (again,) = (r for r in verify(mission, found.plan).requirements if r.name == "talk")
+    assert again.robustness is not None
+    assert np.isfinite(again.robustness)
+    assert again.robustness == said.robustness
+    assert verify(mission, found.plan).objective == found.report.objective
+
+
 def test_disturbed_agents_begin_a_new_tube_where_they_are() -> None:
     text = CART.replace("vx >= -1", "disturbance |w| <= 0.02")
     mission = api.loads(text)
