@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis.extra.lark import from_lark
 from lark import Lark
 
@@ -45,6 +45,8 @@ def test_parsing_imports_neither_lark_nor_numpy() -> None:
     assert done.stdout.strip() == ""
 
 
+# Names that are keywords are filtered out, now and then many in a row.
+@settings(suppress_health_check=list(HealthCheck))
 @given(from_lark(LARK, start="statement"))
 def test_texts_of_the_grammar_are_read_or_refused_with_a_place(text: str) -> None:
     result = parse(Source("t.stl", text))
