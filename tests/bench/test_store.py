@@ -14,7 +14,7 @@ from stlc.errors import OutputError, UsageError
 
 
 def test_a_run_is_kept_once(tmp_path: Path) -> None:
-    store = Store(tmp_path / "new" / "runs.sqlite")
+    store = Store(tmp_path / "runs.sqlite")
     store.create()
     run = record("p", "auto", 1.0, trace=((0.5, 1.0, 0.0, 3), (1.0, 1.0, 1.0, 4)))
     store.add(run)
@@ -23,6 +23,12 @@ def test_a_run_is_kept_once(tmp_path: Path) -> None:
     assert store.records() == (run,)
     assert store.keys() == {run.key}
     assert store.records(["other"]) == ()
+
+
+def test_no_folder_is_made_for_a_store(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match="there is no folder"):
+        Store(tmp_path / "new" / "runs.sqlite").create()
+    assert not (tmp_path / "new").exists()
 
 
 def test_csv_round_trip(tmp_path: Path) -> None:
