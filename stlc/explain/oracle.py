@@ -23,8 +23,9 @@ from stlc.channels import TableMemo
 from stlc.errors import InfeasibleError, MissionError, NoPlanError
 from stlc.explain.givens import Given, Kind, without
 from stlc.explain.still import still
-from stlc.ir.nodes import Always, Linear, Link, Role, walk
+from stlc.ir.nodes import Always, Link, Role, walk
 from stlc.ir.requirement import Requirement
+from stlc.ir.rewrite import named
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.mission import Mission
 from stlc.solve.bounded import by_deadline
@@ -278,14 +279,7 @@ def _ordered(question: Question) -> list[Requirement]:
 
 def owners_of(pieces: Iterable[Requirement]) -> frozenset[str]:
     """Owners of the signals, and ends of the links, that requirements speak of."""
-    found: set[str] = set()
-    for piece in pieces:
-        for node in walk(piece.formula):
-            if isinstance(node, Linear):
-                found.update(signal.owner for signal, _ in node.terms)
-            elif isinstance(node, Link):
-                found.update((node.sender, node.receiver))
-    return frozenset(found)
+    return frozenset(n for p in pieces for node in walk(p.formula) for n in named(node))
 
 
 def channels_of(pieces: Iterable[Requirement]) -> frozenset[str]:

@@ -12,6 +12,8 @@ from stlc.ir.nodes import (
     Eventually,
     Iff,
     Implies,
+    Linear,
+    Link,
     Node,
     Not,
     Or,
@@ -75,3 +77,13 @@ def conjuncts(node: Node) -> tuple[Node, ...]:
 def measures(root: Node) -> bool:
     """Whether faces stand for a Euclidean length in a formula: they are sufficient only."""
     return any(node.norms is not None for node in postorder([root]))
+
+
+def named(node: Node) -> frozenset[str]:
+    """Owners of a predicate's signals, ends of a link; nobody for any other node."""
+    match node:
+        case Linear(terms=terms):
+            return frozenset(signal.owner for signal, _ in terms)
+        case Link(sender=sender, receiver=receiver):
+            return frozenset((sender, receiver))
+    return frozenset()

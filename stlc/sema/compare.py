@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from operator import eq, ge, gt, le, lt, ne
-from typing import Literal
+from typing import Final, Literal
 
 from stlc.ir.nodes import (
     And,
@@ -35,6 +35,11 @@ from stlc.sema.values import Fold, FoldKind, LinkAtom, Scalar
 from stlc.source import Span
 
 Operator = Literal["<", "<=", ">", ">=", "==", "!="]
+
+MIRRORED: Final[dict[Operator, Operator]] = {
+    "<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!=",
+}  # fmt: skip
+"""The operator between the same two sides the other way round."""
 
 
 _RELATIONS: dict[Operator, Callable[[float, float], bool]] = {

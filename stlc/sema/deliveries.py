@@ -20,7 +20,7 @@ from stlc.ir.networks import Count
 from stlc.ir.nodes import Const, Link, Node, Not, Quantity, Relation
 from stlc.sema import clock, link_calls
 from stlc.sema.channel_errors import BadChannel, BadLink
-from stlc.sema.compare import Operator
+from stlc.sema.compare import MIRRORED, Operator
 from stlc.sema.name_errors import TooLarge, WrongKind
 from stlc.sema.report import Mistake
 from stlc.sema.scope import Scope, as_scalar
@@ -67,9 +67,7 @@ def compare_delivery(
 ) -> Node:
     """An amount against a constant one; less is the negation of more. Raises Mistake."""
     if not isinstance(left, Delivery):
-        mirror: dict[Operator, Operator] = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
-        operator = mirror.get(operator, operator)
-        left, right, spans = right, left, (spans[1], spans[0])
+        left, operator, right, spans = right, MIRRORED[operator], left, (spans[1], spans[0])
     assert isinstance(left, Delivery)
     if operator in ("==", "!="):
         problem = "an amount is compared by `>=` or `<=` with a constant"

@@ -15,7 +15,7 @@ from stlc.sema.channel_errors import (
     TableOnly,
     WhichChannel,
 )
-from stlc.sema.compare import QUANTITY_UNITS, Operator
+from stlc.sema.compare import MIRRORED, QUANTITY_UNITS, Operator
 from stlc.sema.name_errors import NoPosition, WrongArity, WrongKind
 from stlc.sema.report import Mistake, Reported
 from stlc.sema.scope import Scope, as_scalar
@@ -189,9 +189,7 @@ def compare_chance(
     """`P(link) >= p`; `<=` is the negation, `p <= P(link)` the mirror image. Of several packets
     only `>=` has a meaning, and not under a negation."""
     if not isinstance(left, Chance):
-        mirror: dict[Operator, Operator] = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
-        operator = mirror.get(operator, operator)
-        left, right, spans = right, left, (spans[1], spans[0])
+        left, operator, right, spans = right, MIRRORED[operator], left, (spans[1], spans[0])
     if not isinstance(left, Chance) or operator in ("==", "!="):
         problem = "a chance is compared by `>=` or `<=` with a constant"
         raise Mistake(BadLink(span=spans[0], problem=problem))

@@ -16,7 +16,7 @@ from stlc.ir.nodes import And, Const, Link, Node, Not, Or, Quantity, Relation
 from stlc.mission import Agent, Station
 from stlc.sema import link_calls
 from stlc.sema.channel_errors import BadLink, BadNetwork
-from stlc.sema.compare import QUANTITY_UNITS, Operator
+from stlc.sema.compare import MIRRORED, QUANTITY_UNITS, Operator
 from stlc.sema.name_errors import EmptyDomain, NoPosition, WrongKind
 from stlc.sema.quantifiers import instances
 from stlc.sema.report import Mistake, Reported
@@ -215,9 +215,7 @@ def compare_count(
 ) -> Node:
     """`count(..) >= k` and its like, with a constant k; fewer is the negation of more."""
     if not isinstance(left, Tally):
-        mirror: dict[Operator, Operator] = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
-        operator = mirror.get(operator, operator)
-        left, right, spans = right, left, (spans[1], spans[0])
+        left, operator, right, spans = right, MIRRORED[operator], left, (spans[1], spans[0])
     assert isinstance(left, Tally)
     limit = as_scalar(right, spans[1])
     if not limit.is_constant or (limit.unit is not None and limit.unit.dims):

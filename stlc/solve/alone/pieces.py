@@ -11,8 +11,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 
-from stlc.ir.nodes import Always, And, Linear, Link, Node, walk
+from stlc.ir.nodes import Always, And, Node, walk
 from stlc.ir.requirement import Requirement
+from stlc.ir.rewrite import named
 from stlc.mission import Mission
 from stlc.passes import nnf
 from stlc.passes.base import Program
@@ -42,16 +43,6 @@ class Pieces:
             elif kept:
                 formula = kept[0] if len(kept) == 1 else And(tuple(kept))
                 yield replace(requirement, formula=formula)
-
-
-def named(node: Node) -> frozenset[str]:
-    """Owners of a predicate's signals, ends of a link; nobody for any other node."""
-    match node:
-        case Linear(terms=terms):
-            return frozenset(signal.owner for signal, _ in terms)
-        case Link(sender=sender, receiver=receiver):
-            return frozenset((sender, receiver))
-    return frozenset()
 
 
 def _names(root: Node) -> frozenset[str]:

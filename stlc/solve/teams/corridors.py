@@ -57,8 +57,9 @@ class Corridor:
         better = work.with_point(found.x, "tubes")
         if better is not work:
             self.searched = 0.0
+        elif found.status is Status.OPTIMAL:
+            self.searched = self.radius
         if found.status is Status.OPTIMAL:
-            self.searched = self.radius if better is work else 0.0
             self.radius *= tuning.NEAR.wider
         elif better is work:
             self.radius /= tuning.NEAR.wider

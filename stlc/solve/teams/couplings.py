@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 from stlc.ir.networks import Count, Network
 from stlc.ir.nodes import And, Const, Linear, Link, Node, Or, Role, walk
+from stlc.ir.rewrite import named
 from stlc.milp.compile import Compiled
 from stlc.mission import TermKind
-from stlc.solve.alone.pieces import named
 from stlc.solve.alone.run import Run
 
 _BINDING = Link | Count | Network

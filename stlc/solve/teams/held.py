@@ -32,10 +32,10 @@ from stlc.ir.nodes import (
     walk,
 )
 from stlc.ir.requirement import Requirement
-from stlc.ir.rewrite import rewrite
+from stlc.ir.rewrite import named, rewrite
 from stlc.mission import Channel, Mission, ObjectiveTerm, Station, TermKind
 from stlc.scales import static_range
-from stlc.solve.alone.pieces import Pieces, named
+from stlc.solve.alone.pieces import Pieces
 from stlc.solve.alone.run import Run
 
 _TRUE = Const(True)
