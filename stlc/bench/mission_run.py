@@ -22,6 +22,7 @@ from stlc.files import scratch_folder
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.milp.encodings import compile_options
 from stlc.mission import Mission
+from stlc.solve.statistics import lp_bound
 
 if TYPE_CHECKING:
     from stlc.milp.model import Model
@@ -207,14 +208,7 @@ def relaxation(model: Model, limit: float) -> float | None:
     """Optimum of the LP relaxation by HiGHS, None when it is too large or takes too long."""
     if model.nonzeros > LP_NONZEROS:
         return None
-    from dataclasses import replace
-
-    import numpy as np
-
-    relaxed = replace(model, integrality=np.zeros(model.columns, np.uint8))
-    options = SolveOptions(time_limit=min(limit, LP_SECONDS), threads=1)
     try:
-        solution = backends.get("highs").solve(relaxed, options)
+        return lp_bound(model, min(limit, LP_SECONDS))
     except SolverError:
         return None
-    return solution.objective if solution.status is Status.OPTIMAL else None

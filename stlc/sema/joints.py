@@ -11,7 +11,7 @@ obstacles count together where a conjunction demands both: that of all requireme
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 
@@ -32,6 +32,7 @@ from stlc.source import Span
 
 Window = tuple[float, float]
 _Key = tuple[str, int, bool]  # agent, shape, swept
+_OPEN = And | Or | Always | Eventually | Until | Release  # as strong as their parts
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,9 +102,15 @@ class _Joints:
 
     def closed(self, node: Node) -> Node:
         """The formula with plugs in every conjunction that demands two touching places."""
-        for each in _new(node, self.done):
+        for each in _new(node, self.done, self._parts):
             self.done[each] = self._closed(each)
         return self.done[node]
+
+    def _parts(self, node: Node) -> Sequence[Node]:
+        """Those parts of a formula whose seams count, which a negation's don't."""
+        if isinstance(node, Implies):
+            return (node.right,)
+        return node.children if isinstance(node, _OPEN) and node not in self.known else ()
 
     def _closed(self, node: Node) -> Node:
         """The same of a node whose parts are closed already."""
@@ -114,17 +121,20 @@ class _Joints:
                 parts = [self.done[a] for a in args]
                 more = [n for seam in self.between(map(self.avoided, parts)) for n in seam]
                 return replace(node, args=(*parts, *more)) if more else with_children(node, parts)
-            case Or() | Always() | Eventually() | Until() | Release():
-                return with_children(node, [self.done[c] for c in node.children])
             case Implies(left=left, right=right):
                 return with_children(node, [left, self.done[right]])
-        return node
+        parts = [self.done[c] for c in self._parts(node)]
+        return with_children(node, parts) if parts else node
 
     def avoided(self, node: Node) -> Mapping[_Key, _Kept]:
         """What a formula demands to keep out of, whatever else holds."""
-        for each in _new(node, self.kept):
+        for each in _new(node, self.kept, self._demanded):
             self.kept[each] = self._avoided(each)
         return self.kept[node]
+
+    def _demanded(self, node: Node) -> Sequence[Node]:
+        """The parts that hold wherever the formula does."""
+        return node.children if isinstance(node, And | Always) and node not in self.known else ()
 
     def _avoided(self, node: Node) -> Mapping[_Key, _Kept]:
         """The same of a node whose parts are known already."""
@@ -216,12 +226,14 @@ class _Joints:
         return self.plugs[key]
 
 
-def _new(root: Node, known: Mapping[Node, object]) -> Iterator[Node]:
+def _new(
+    root: Node, known: Mapping[Node, object], parts: Callable[[Node], Sequence[Node]]
+) -> Iterator[Node]:
     """What isn't known of a formula, which may be deeper than Python's stack: parts first."""
     todo = [root]
     while todo:
         node = todo[-1]
-        unknown = [child for child in node.children if child not in known]
+        unknown = [part for part in parts(node) if part not in known]
         todo += unknown
         if not unknown:
             todo.pop()

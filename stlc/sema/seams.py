@@ -275,8 +275,29 @@ def _points(pieces: Sequence[Polytope]) -> Iterable[Polytope]:
     nodes = np.unique(nodes.round(9), axis=0)
     shapely.prepare(whole)
     nodes = nodes[shapely.contains_xy(whole, nodes)]
-    held = shapely.buffer(rings, -TOUCH, join_style="mitre")
-    found = shapely.STRtree(shapely.points(nodes)).query(held, predicate="contains")
-    for place in np.delete(nodes, np.unique(found[1]), axis=0):
+    for place in unheld(nodes, pieces):
         depth = float(whole.boundary.distance(shapely.Point(place)))
         yield square(place, min(PLUG, (depth + DEEP) / 2.0))
+
+
+TOGETHER = 32
+"""Pieces after which the points that they hold are let go. A star of 5,500 corners, of whose 99,000
+points each is in 56 wedges: 0.1 CPU s; a search tree asked for every piece took 5.2."""
+
+
+def unheld(points: Array, pieces: Sequence[Polytope]) -> Array:
+    """The points (n, 2) that no piece has in its interior, by `TOUCH`, sorted by x.
+
+    Pieces are asked in no order of theirs: neighbours hold the same points, so that few are let go.
+    """
+    left = points[points[:, 0].argsort(kind="stable")]
+    order = np.random.default_rng(0).permutation(len(pieces))
+    for first in range(0, len(order), TOGETHER):
+        held = np.zeros(len(left), dtype=bool)
+        for piece in (pieces[k] for k in order[first : first + TOGETHER]):
+            x = piece.vertices[:, 0]
+            near = slice(*left[:, 0].searchsorted((x.min(), x.max())))
+            inside = left[near] @ piece.normals.T < piece.offsets - TOUCH
+            held[near] |= inside.all(axis=1)
+        left = left[~held]
+    return left

@@ -185,7 +185,8 @@ def _at(
         for moved, factor in form:
             terms[moved] = terms.get(moved, 0.0) + coefficient * factor
     kept = [(s, c) for s, c in terms.items() if c != 0.0]
-    kept.sort(key=lambda term: term[0].key)
+    if len(kept) > 1:
+        kept.sort(key=lambda term: term[0].key)
     return replace(node, terms=tuple(kept), constant=constant + change)
 
 

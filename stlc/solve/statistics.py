@@ -14,11 +14,15 @@ from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
 from stlc.passes import PassStats
 
+LONGEST = 10.0
+"""Seconds for the LP relaxation of statistics: 99 of 100 compiled missions take less than one, two
+agents apart over 5,000 steps take 90."""
 
-def lp_bound(model: Model) -> float | None:
-    """Optimum of the LP relaxation, or None when HiGHS finds none."""
+
+def lp_bound(model: Model, seconds: float = LONGEST) -> float | None:
+    """Optimum of the LP relaxation, or None when HiGHS finds none within so many seconds."""
     relaxed = replace(model, integrality=np.zeros(model.columns, np.uint8))
-    solution = get("highs").solve(relaxed, SolveOptions())
+    solution = get("highs").solve(relaxed, SolveOptions(time_limit=seconds))
     return solution.objective if solution.status is Status.OPTIMAL else None
 
 
@@ -57,7 +61,8 @@ class Statistics:
         """The same for a person."""
         m, stats = self.compiled.model, self.compiled.stats
         total = (m.columns, m.binaries, m.rows, m.nonzeros)
-        bound = "none" if self.lp_bound is None else f"{self.lp_bound:.6g}"
+        none = f"none (infeasible, or not found within {LONGEST:g} s)"
+        bound = none if self.lp_bound is None else f"{self.lp_bound:.6g}"
         return "\n".join([
             f"{'':36} {'columns':>9} {'integers':>9} {'rows':>9} {'nonzeros':>9}",
             *(_row(label, sizes) for label, sizes in stats.by_origin.items()),

@@ -13,7 +13,7 @@ from stlc.ir.nodes import Always, And
 from stlc.sema import scope, tracks
 from stlc.sema.decompose import decompose
 from stlc.sema.geometry import polytope
-from stlc.sema.seams import closed
+from stlc.sema.seams import TOGETHER, closed, unheld
 from stlc.sema.tracks import Pieces, translated
 
 HEAD = "step 1 s\nhorizon 400\nworkspace box [0, 90] x [0, 90]\n"
@@ -117,3 +117,17 @@ def test_what_moving_obstacles_touch_is_told_where_it_is_too_much(
     (found,) = caught.value.diagnostics
     assert found.span is not None
     assert found.span.text == f"r outside o{when}"
+
+
+def test_points_that_no_piece_has_inside() -> None:
+    """Asked one by one: those in the interior of a piece go, those on its border stay."""
+    random = np.random.default_rng(5)
+    pieces = []
+    for _ in range(3 * TOGETHER):
+        x, y, wide, high = random.integers(0, 20, 2).tolist() + random.integers(1, 6, 2).tolist()
+        pieces.append(polytope([(x, y), (x + wide, y), (x + wide, y + high), (x, y + high)]))
+    points = np.array([(x, y) for x in range(26) for y in range(26)], dtype=float)
+    held = [any((p.normals @ at < p.offsets - 1e-7).all() for p in pieces) for at in points]
+    left = {(float(x), float(y)) for x, y in unheld(points, pieces)}
+    assert left == {(float(x), float(y)) for (x, y), h in zip(points, held, strict=True) if not h}
+    assert 0 < len(left) < len(points)
