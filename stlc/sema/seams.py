@@ -42,8 +42,6 @@ from stlc.sema.geometry import (
 
 BEYOND = 0.1
 """How far a face on the workspace's border moves, as a share of the workspace's size."""
-
-
 MOST_PAIRS = 60_000
 """Pairs of touching pieces of one union: some four seconds. All of them crossing each other, they
 make twice as many corners."""
@@ -280,15 +278,14 @@ def _points(pieces: Sequence[Polytope]) -> Iterable[Polytope]:
         yield square(place, min(PLUG, (depth + DEEP) / 2.0))
 
 
-TOGETHER = 32
-"""Pieces after which the points that they hold are let go. A star of 5,500 corners, of whose 99,000
-points each is in 56 wedges: 0.1 CPU s; a search tree asked for every piece took 5.2."""
+TOGETHER = 32  # pieces, then the points that they hold are let go. Of 99,000 points in 56 wedges
+# of a star each: 0.4 CPU s; a search tree asked for every piece took 5.2
 
 
 def unheld(points: Array, pieces: Sequence[Polytope]) -> Array:
     """The points (n, 2) that no piece has in its interior, by `TOUCH`, sorted by x.
 
-    Pieces are asked in no order of theirs: neighbours hold the same points, so that few are let go.
+    Pieces are asked in no order: neighbours hold the same points.
     """
     left = points[points[:, 0].argsort(kind="stable")]
     order = np.random.default_rng(0).permutation(len(pieces))

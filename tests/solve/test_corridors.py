@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 from unittest.mock import Mock
 
@@ -12,6 +13,8 @@ from stlc import backends
 from stlc.api import loads
 from stlc.backends.base import SolveOptions, Status
 from stlc.milp.compile import compile_mission
+from stlc.record import changed
+from stlc.solve import tuning
 from stlc.solve.alone.run import Run
 from stlc.solve.deadline import Deadline
 from stlc.solve.judge import Judge
@@ -101,3 +104,24 @@ def test_neighbourhoods_of_a_pair_never_free_both(monkeypatch: pytest.MonkeyPatc
 
 def _alone(lone: Work) -> dict[str, Run]:
     return {one.agent: one.run for one in lone.lone if one.run is not None}
+
+
+def test_two_agents_are_searched_as_long_as_their_best_plan_took(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Without a time limit too: tubes that never end and better nothing leave the rest to the
+    whole model, which is hardly larger."""
+    tried = []
+
+    def fruitless(self: Corridor, work: Work, deadline: Deadline) -> Work:
+        tried.append(deadline.left)
+        time.sleep(0.02)
+        return work
+
+    monkeypatch.setattr(Corridor, "better", fruitless)
+    monkeypatch.setattr(Neighbourhoods, "sweep", lambda self, size: False)
+    monkeypatch.setattr(tuning, "NEAR", changed(tuning.NEAR, moment=0.2, gap=0.0))
+    found = improve(replace(work(), bound=0.0))
+    assert found.x is not None
+    assert 1 <= len(tried) <= 2 * 20
+    assert max(tried) <= 2 * 20 * 0.02 + 1.0

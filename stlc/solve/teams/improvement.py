@@ -7,13 +7,14 @@ and the whole model is solved within tubes around the incumbent, in turn.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from stlc.mission import TermKind
 from stlc.solve import tuning
 from stlc.solve.alone.run import Run
-from stlc.solve.deadline import Deadline
+from stlc.solve.deadline import Deadline, Stopwatch
 from stlc.solve.strategy import Work
 from stlc.solve.teams.answers import Answers
 from stlc.solve.teams.corridors import Corridor, beside
@@ -27,11 +28,17 @@ _LEAST = 1e-4  # relative: runs that are held to within 1e-5 differ by less than
 
 @dataclass(slots=True, eq=False)
 class Improvement:
-    """The search from the incumbent of a work, points reported as they come."""
+    """The search from the incumbent of a work, points reported as they come.
+
+    It ends when for `patience` times as long as the best plan took nothing better was found.
+    """
 
     work: Work
     deadline: Deadline
     priced: bool  # links cost: whole models are large then
+    patience: float = math.inf
+    watch: Stopwatch = field(default_factory=Stopwatch)
+    took: float = 0.0  # s, for the best plan so far
 
     def run(self) -> Work:
         """The work with the best point found."""
@@ -49,7 +56,7 @@ class Improvement:
         search, size = self._from_incumbent(tuning.NEAR.gap), 1
         corridor = Corridor(idle=self.priced)
         most = min(tuning.NEAR.agents, len(search.runs) - 1)  # all of them are the mission itself
-        while not (self.deadline.over() or self._is_near()):
+        while not (self._patient().over() or self._is_near()):
             before = self.work.value
             if not corridor.idle:
                 self.work = corridor.better(self.work, self._moment())
@@ -58,7 +65,9 @@ class Improvement:
                 self._take(search.runs, "neighbourhoods")
                 search.follow(self._runs(), self._spare())
                 corridor = corridor if self.priced else corridor.moved()
-            size = 1 if self.work.value < before - search.worth else size + 1
+            bettered = self.work.value < before - search.worth
+            size = 1 if bettered else size + 1
+            self.took = self.watch.seconds if bettered else self.took
             if corridor.idle and size > most:
                 break
 
@@ -67,8 +76,13 @@ class Improvement:
         slack = tuning.NEAR.gap * abs(self.work.value)
         return self.work.proven() or self.work.bound >= self.work.value - slack
 
+    def _patient(self) -> Deadline:
+        until = (1.0 + self.patience) * max(self.took, tuning.NEAR.moment)
+        return self.deadline.within(until - self.watch.seconds)
+
     def _moment(self) -> Deadline:
-        return self.deadline.share(tuning.NEAR.share, tuning.NEAR.seconds)
+        part = min(tuning.NEAR.share * self.deadline.left, tuning.NEAR.seconds)
+        return self._patient().within(part)
 
     def _take_alone(self) -> None:
         """A plan of what agents do alone: as it is, nearby, or as far as that gets along."""
@@ -122,7 +136,7 @@ class Improvement:
 def improve(work: Work) -> Work:
     """The work with the best plan found in time."""
     priced = TermKind.LINK_COST in work.kinds
-    pair = len(work.compiled.states) == 2
-    free = tuning.NEAR.pair if pair else tuning.NEAR.effort
-    share = tuning.NEAR.priced if priced else free
-    return Improvement(work, work.deadline.share(share, tuning.NEAR.most), priced).run()
+    patience = tuning.NEAR.pair if len(work.compiled.states) == 2 else math.inf
+    share = tuning.NEAR.priced if priced else tuning.NEAR.effort
+    deadline = work.deadline.share(share, tuning.NEAR.most)
+    return Improvement(work, deadline, priced, patience).run()
