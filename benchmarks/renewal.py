@@ -1,12 +1,13 @@
 """Missions carried out in simulated worlds: how long planning anew takes, how many are kept.
 
-    python benchmarks/renewal.py [--worlds 10] [--time-limit 1] [flat] [team]
+    python benchmarks/renewal.py [--worlds 200] [--time-limit 1] [--store FILE] [flat] [team]
 
 Each world draws the true channels from what the mission knows of them and pushes agents off their
 way. Printed are median and 99th percentile of the processor seconds between measuring and acting,
 and how many missions hold by the true channels: planned anew at each step, with channels that learn
 from what is heard and with those of the file; planned anew on events; and the first plan carried
-out blindly.
+out blindly. Each world is a line of the store, so that more worlds are added to those that are
+there and an interrupted run goes on; `--seconds` ends one after so long.
 
 `flat` is examples/ble_apartment.stl with noise and a margin for it, 14 steps; `team` are four
 agents that cross, keep apart and report, 20 steps.
@@ -17,11 +18,13 @@ from __future__ import annotations
 import argparse
 import re
 import time
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import numpy as np
+from scipy.stats import binomtest
 
 from stlc import api
 from stlc.arrays import Floats
@@ -29,9 +32,9 @@ from stlc.channels import LinkValues, needed, true_robustness
 from stlc.errors import StlcError
 from stlc.ir.nodes import Link
 from stlc.mission import Mission
-from stlc.plan import Plan
+from stlc.plan import Plan, read_plan
 from stlc.radio.pathloss import link_distance
-from stlc.renew.receding import Loop, Measured, Voyage
+from stlc.renew.receding import Loop, Measured
 from stlc.renew.world import SimulatedWorld
 from stlc.solve.outcome import SolveSettings
 from stlc.verify.requirements import swept_override
@@ -127,42 +130,88 @@ class Clocked(SimulatedWorld):
         return found
 
 
-def voyages(
-    case: Case, worlds: int, loop: Loop, first: Plan
-) -> Iterator[tuple[Clocked, Voyage | None]]:
-    """One mission carried out in each world; None where no plan could be made any more."""
-    for seed in range(worlds):
-        world = Clocked(case.mission, np.random.default_rng(seed))
-        try:
-            yield world, api.receding(case.mission, world, loop, plan=first)
-        except StlcError as error:
-            print(f"  {case.name}, world {seed}: {error}")
-            yield world, None
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A mission carried out in one world by one loop; `seconds` are those of each step."""
+
+    case: str
+    loop: str
+    seed: int
+    plans: int
+    late: int
+    kept: int
+    seconds: tuple[float, ...]
+
+    def text(self) -> str:
+        """As a line of the store."""
+        found = (self.case, self.loop, self.seed, self.plans, self.late, self.kept)
+        return ",".join([*map(str, found), " ".join(f"{s:.3f}" for s in self.seconds)])
+
+    @classmethod
+    def of(cls, line: str) -> Row:
+        """From a line of the store."""
+        case, loop, *numbers, seconds = line.strip().split(",")
+        seed, plans, late, held = map(int, numbers)
+        return cls(case, loop, seed, plans, late, held, tuple(map(float, seconds.split())))
 
 
-def measure(case: Case, worlds: int, seconds: float) -> None:
-    """Print the figures of a case."""
-    first = api.solve(case.mission, SolveSettings(time_limit=60.0, gap=0.01)).plan
-    print(f"{case.name}: first plan costs {first.solve.objective:.4g}")
+def loops(case: Case, seconds: float) -> Mapping[str, Loop]:
+    """When a mission is planned anew, by what is said of it."""
     settings = SolveSettings(time_limit=seconds, gap=0.02)
-    loops: Mapping[str, Loop] = {
+    return {
         "anew each step, channels learn": Loop(every=1, settings=settings),
         "anew each step, channels of the file": Loop(every=1, settings=settings, learn=False),
         "anew on events, channels learn": Loop(drift=case.drift, settings=settings),
         "the first plan, carried out blindly": Loop(sigmas=np.inf, drift=np.inf),
     }
-    for name, loop in loops.items():
-        done = list(voyages(case, worlds, loop, first))
-        times = np.array([s for w, v in done if v is not None for s in w.seconds[1:]])
-        good = sum(v is not None and kept(case.mission, w, v.run) for w, v in done)
-        plans = sum(len(v.events) for _, v in done if v is not None)
-        late = sum(e.renewed is None for _, v in done if v is not None for e in v.events)
-        print(
-            f"  {name:38} {len(times)} steps, {plans} plans, {late} not in time; median "
-            f"{np.median(times):.2f} s, p99 {np.quantile(times, 0.99):.2f} s; "
-            f"kept {good} of {worlds}",
-            flush=True,
-        )
+
+
+def carried_out(case: Case, seed: int, name: str, loop: Loop, first: Plan) -> Row:
+    """One mission in one world; no plan at all counts as not kept."""
+    world = Clocked(case.mission, np.random.default_rng(seed))
+    try:
+        voyage = api.receding(case.mission, world, loop, plan=first)
+    except StlcError as error:
+        print(f"  {case.name}, world {seed}: {error}")
+        return Row(case.name, name, seed, 0, 0, 0, tuple(world.seconds[1:]))
+    late = sum(e.renewed is None for e in voyage.events)
+    held = int(kept(case.mission, world, voyage.run))
+    return Row(case.name, name, seed, len(voyage.events), late, held, tuple(world.seconds[1:]))
+
+
+def measure(case: Case, asked: argparse.Namespace) -> None:
+    """Carry a case out in every world that the store lacks, and print its figures."""
+    store, first_plan = asked.store, asked.store.with_suffix(f".{case.name}.json")
+    lines = store.read_text().splitlines() if store.exists() else []
+    rows = [row for row in map(Row.of, lines) if row.case == case.name]
+    if not first_plan.exists():
+        settings = SolveSettings(time_limit=60.0, gap=0.01, save_to=first_plan)
+        api.solve(case.mission, settings)
+    first = read_plan(first_plan)
+    print(f"{case.name}: first plan costs {first.solve.objective:.4g}")
+    done = {(row.loop, row.seed) for row in rows}
+    end = time.monotonic() + asked.seconds
+    for seed, (name, loop) in product(range(asked.worlds), loops(case, asked.time_limit).items()):
+        if (name, seed) not in done and time.monotonic() < end:
+            rows.append(carried_out(case, seed, name, loop, first))
+            with store.open("a") as file:
+                file.write(rows[-1].text() + "\n")
+    for name in loops(case, asked.time_limit):
+        print(f"  {name:38} {figures([row for row in rows if row.loop == name])}", flush=True)
+
+
+def figures(rows: Sequence[Row]) -> str:
+    """What a line says of all worlds of a loop."""
+    if not rows:
+        return "-"
+    times = np.array([s for row in rows for s in row.seconds])
+    plans, late, good = (sum(getattr(r, n) for r in rows) for n in ("plans", "late", "kept"))
+    low, high = binomtest(good, len(rows)).proportion_ci(0.95)
+    return (
+        f"{len(times)} steps, {plans} plans, {late} not in time; median {np.median(times):.2f} s, "
+        f"p99 {np.quantile(times, 0.99):.2f} s; kept {good} of {len(rows)} "
+        f"({low:.0%} to {high:.0%})"
+    )
 
 
 def main() -> None:
@@ -171,10 +220,12 @@ def main() -> None:
     parser.add_argument("names", nargs="*", choices=[[], "flat", "team"])
     parser.add_argument("--worlds", type=int, default=10)
     parser.add_argument("--time-limit", type=float, default=1.0)
+    parser.add_argument("--seconds", type=float, default=np.inf, help="end after so long")
+    parser.add_argument("--store", type=Path, default=Path("renewal.csv"))
     asked = parser.parse_args()
     for name, case in cases().items():
         if not asked.names or name in asked.names:
-            measure(replace(case), asked.worlds, asked.time_limit)
+            measure(case, asked)
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stlc.radio.errors import RadioError
+from stlc.radio.fixed_end import prepare_from
 from stlc.radio.gp import ChannelModel
 from stlc.radio.kernel import KernelName
 from stlc.radio.pairs import BLOCK_BYTES, PairField, prepare
@@ -80,17 +81,23 @@ def pair_bounds(
         )
     if z != 0.0 and not spread:
         raise RadioError("a level with z other than 0 needs the spread")
-    field = prepare(model, a.centre.shape[1])
     swapped = b is not None and len(b) < len(a)  # rows are walked one by one: few, long rows
     ends = (a, a) if b is None else (b, a) if swapped else (a, b)
     ask = Ask(fading, z, spread, tolerance, focus)
-    search = _Search(field, ask, len(ends[0]), len(ends[1]), b is None)
     with single_thread():
+        search = _Search(_field(model, ends[0]), ask, len(ends[0]), len(ends[1]), b is None)
         last = search.run(ends[0], ends[1], budget)
     bounds = search.bounds.swapaxes(1, 2) if swapped else search.bounds
     gap = float(search.gap().max(initial=0.0))
     pairs = [(bounds[k], bounds[k + 1]) for k in (0, 2, 4)]
     return PairBounds(pairs[0], pairs[1], pairs[2], gap, last)
+
+
+def _field(model: ChannelModel, first: Boxes) -> PairField:
+    """The field of a channel, from a place where first ends are one."""
+    if len(first) == 1 and not first.half.any():
+        return prepare_from(model, first.centre[0])
+    return prepare(model, first.centre.shape[1])
 
 
 class _Search:

@@ -8,7 +8,7 @@ so a posterior mean on n x n pairs is one matrix product.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,7 @@ class PairField:
     norm              of S in the space of the unnormalised kernel: S'' <= norm |phi''|
     root              (r, M) with variance = sigma_k^2 u^2 (g - |root w|^2), w = E E + E E,
                       g = 1 + exp(-|a - b|^2 / l^2)
+    one_way           w = E_cs(a) E_cr(b) alone, with the first end where all senders are
     """
 
     model: ChannelModel
@@ -39,6 +40,7 @@ class PairField:
     mean_weight: Array
     norm: float
     root: Array
+    one_way: bool = False
 
     @property
     def centres(self) -> int:
@@ -54,6 +56,19 @@ class PairField:
 
 def prepare(model: ChannelModel, dimension: int) -> PairField:
     """The field of a channel with a symmetrised kernel, for points with `dimension` axes."""
+    field = weighted(model, dimension)
+    if not field.centres:
+        return field
+    centres = np.hstack([field.sender, field.receiver])
+    kernel = sum(
+        np.exp(-squared_distance(centres, other) / (2.0 * model.length**2))
+        for other in (centres, swap_ends(centres))
+    )
+    return replace(field, norm=rounded_norm(np.asarray(kernel), field.mean_weight))
+
+
+def weighted(model: ChannelModel, dimension: int) -> PairField:
+    """The field without its norm, which takes as long as a table by itself."""
     posterior = model.posterior
     if posterior is None or model.shadowing == 0.0:
         none = np.zeros((0, dimension))
@@ -62,17 +77,11 @@ def prepare(model: ChannelModel, dimension: int) -> PairField:
     norm = 1.0 / np.sqrt(1.0 + self_overlap(posterior.centres, model.length))
     weight = model.shadowing * norm * posterior.weights
     root = np.sqrt(model.shadowing) * posterior.factor * norm[None, :]
-    size = _norm(posterior.centres, weight, model.length)
-    return PairField(model, sender, receiver, weight, size, root)
+    return PairField(model, sender, receiver, weight, np.inf, root)
 
 
-def _norm(centres: Array, weight: Array, length: float) -> float:
-    """sqrt(w' K w) with K the unnormalised symmetric kernel, rounded up."""
-    swapped = swap_ends(centres)
-    kernel = sum(
-        np.exp(-squared_distance(centres, other) / (2.0 * length**2))
-        for other in (centres, swapped)
-    )
+def rounded_norm(kernel: Array, weight: Array) -> float:
+    """sqrt(w' K w) of weights (M,) by a kernel (M, M), rounded up."""
     square = max(float(weight @ kernel @ weight), 0.0)
     return float(np.sqrt(square + 1e-9 * float(weight @ weight) * len(weight)))
 
@@ -98,7 +107,7 @@ def predict_pairs(
     b (nb, D) [m]; the same numbers as `ChannelModel.predict`, much faster."""
     if model.kernel is not KernelName.SYMMETRISED:
         return _predict_links(model, a, b, fading, receiver)
-    field = prepare(model, a.shape[1])
+    field = weighted(model, a.shape[1])
     distance = pair_distance(a, b)
     mean = path_loss_mean(distance, model.l0, model.exponent, model.d0) + model.offset(receiver)
     if model.walls is not None:

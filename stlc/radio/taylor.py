@@ -99,6 +99,8 @@ class Ends:
 def prepare_ends(field: PairField, boxes: Boxes, other: bool) -> Ends:
     """Boxes with the field's factors at their centres, in the other end's order for `other`."""
     factors = field.factors(boxes.centre)
+    if field.one_way and not other:
+        factors[:, field.centres :] = 0.0
     return Ends(boxes, swap_halves(factors) if other else factors)
 
 

@@ -168,12 +168,14 @@ def _planned(
 ) -> tuple[Outcome, Eased, tuple[str, ...]]:
     """A plan that keeps everything, or else all bounds that hold now and what has to hold at all
     times, or else as much as it can. Hands over what had to give way, and what it gives up.
+
+    That nothing keeps everything is believed at once: were it wrong, the mission with everything
+    as a wish would find the plan that grants all of them. A second solver is heard at the end.
     """
     try:
-        return solve_mission(room.mission, settings, listen), room, ()
+        return solve_mission(room.mission, replace(settings, doubted=False), listen), room, ()
     except InfeasibleError as error:
         listen(StatusEvent("soften", str(error)))
-        told = error
     every = eased(left, all_bounds=True)
     for trial, standing in ((room, True), (room, False), (every, True), (every, False)):
         wishes, owner = softened(trial.mission, left, standing=standing)
@@ -184,7 +186,7 @@ def _planned(
             continue
         broken = {owner.get(p.name) for p in outcome.report.preferences if not p.kept}
         return outcome, trial, tuple(r.name for r in left.requirements if r.name in broken)
-    raise told
+    return solve_mission(room.mission, settings, listen), room, ()
 
 
 def _whole(mission: Mission, past: Past, outcome: Outcome, memo: TableMemo) -> tuple[Plan, Report]:

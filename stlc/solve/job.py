@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from stlc.arrays import Floats
 from stlc.backends.base import Backend, Capability, Progress, Solution, SolveOptions, Status
 from stlc.errors import (
+    InfeasibleError,
     InterruptedSolveError,
     NoPlanError,
     SolverError,
@@ -236,6 +237,9 @@ class Job:
         if self.incumbent.plan is not None:
             self._refused = contradicted(solution)
             return self._stand(seconds)
+        if not self.settings.doubted:
+            said = solution.solver_version or solution.solver
+            raise InfeasibleError(f"no run satisfies the mission ({said} says so)")
         asked = opinion(self._options_asked(), solution.seconds)
         return self._go_on(doubt(self.compiled.model, solution, asked), asked, seconds)
 

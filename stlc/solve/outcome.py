@@ -23,7 +23,8 @@ class SolveSettings:
     is what a solver may overrun its time limit, or a wish to stop, before it is left behind in its
     thread; None waits for it. `threads` are those of the solver, and the processes that make the
     small solves of searches; `cluster` is the address of one that makes these instead.
-    `tier_gap` is that of tiers of preferences before the last; None is `gap`.
+    `tier_gap` is that of tiers of preferences before the last; None is `gap`. Without `doubted` a
+    claim that there is no plan is passed on as it is, for whoever has a use for it either way.
     """
 
     backend: str = "highs"
@@ -40,6 +41,7 @@ class SolveSettings:
     grace: float | None = None
     cluster: str | None = None
     tier_gap: float | None = None
+    doubted: bool = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -48,6 +48,18 @@ ASKED = [
 ]
 
 
+TWO_WAYS = """step 1 s
+horizon 6
+workspace box [0, 9] x [0, 9]
+agent a : single_integrator { start (4, 1); control |u| <= 1 }
+region east = box [6, 9] x [0, 9]
+region west = box [0, 2] x [0, 9]
+require east: eventually[0, 6] a in east
+require west: eventually[0, 6] a in west
+minimize effort
+"""
+
+
 def _objective(mission: Mission, plan: Plan) -> float | None:
     """By the verifier; None where the run is none of the mission's."""
     report = verify(mission, plan)
@@ -269,3 +281,15 @@ def test_what_has_to_hold_at_all_times_is_given_up_last() -> None:
     assert not ((states[:, 0] > 4 + 1e-6) & (states[:, 0] < 5 - 1e-6) & (states[:, 1] < 6)).any()
     by = {r.name: r for r in found.report.requirements}
     assert by["clear"].satisfied
+
+
+def test_no_second_solver_is_asked_where_something_gives_way_anyhow(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Where not everything can be kept the mission of wishes tells by itself what can."""
+    asked = []
+    monkeypatch.setattr("stlc.solve.confirm.confirm_infeasible", lambda *a, **k: asked.append(a))
+    mission, plan = _plan(TWO_WAYS)
+    found = replan(mission, along(mission, plan, 1, {"a": np.array([4.0, 1.0])}), old=plan)
+    assert len(found.given_up) == 1
+    assert asked == []
