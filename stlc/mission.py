@@ -24,8 +24,10 @@ from stlc.tubes import Tube
 if TYPE_CHECKING:
     from stlc.diagnostics import Diagnostic
     from stlc.radio.gp import ChannelModel
+    from stlc.radio.learned import Learned
     from stlc.radio.link_budget import LinkBudget
     from stlc.radio.partition import Partition
+    from stlc.radio.samples import Samples
 
 Array = NDArray[np.float64]
 
@@ -195,6 +197,8 @@ class Channel:
     predicate_bound: Bound = Bound.WORST
     cost_bound: Bound = Bound.MEAN
     auto: bool = False  # the partition may be made finer (`stlc.grids`)
+    samples: Samples | None = None  # those of the file
+    learned: Learned | None = None  # what the model has beside them (`stlc.measurements`)
     span: Span | None = None
 
     def has_table(self, pair: tuple[str, str]) -> bool:

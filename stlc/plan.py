@@ -15,11 +15,13 @@ from numpy.typing import NDArray
 
 from stlc.certificate import Certificate
 from stlc.files import write_atomic
-from stlc.grids import shapes
+from stlc.grids import on_grids, shapes
+from stlc.measurements import lessons, with_learned
 from stlc.sense import Sense
 
 if TYPE_CHECKING:
     from stlc.mission import Agent, Mission
+    from stlc.radio.learned import Learned
 
 Array = NDArray[np.float64]
 
@@ -83,6 +85,7 @@ class Plan:
 
     `mission` is the file's name, `sha256` the digest of its text, `params` what `-D` set,
     `grids` the cells along each axis of channels that chose them (`stlc.grids`).
+    `learned` is what channels had learnt on the way when it was made (`stlc.measurements`).
     `certificate` holds what certification and the verifier found. The steps before `executed`
     were carried out already: states up to and with that step are as they were measured.
     """
@@ -99,6 +102,7 @@ class Plan:
     params: Mapping[str, str] = field(default_factory=dict)
     grids: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     executed: int = 0
+    learned: Mapping[str, Learned] = field(default_factory=dict)
 
     @property
     def times(self) -> Array:
@@ -147,6 +151,14 @@ def read_plan(path: str | os.PathLike[str]) -> Plan:
     return read(path)
 
 
+def as_planned(mission: Mission, plan: Plan) -> Mission:
+    """The mission as a plan of it was made: on its grids, channels knowing what they had learnt.
+
+    Raises UsageError where the mission has no such channels.
+    """
+    return with_learned(on_grids(mission, plan.grids), plan.learned)
+
+
 def mission_digest(mission: Mission) -> str:
     """SHA-256 of the mission's text (UTF-8)."""
     return text_digest(mission.source.text)
@@ -179,7 +191,7 @@ def make_plan(
     info = solve or SolveInfo()
     return Plan(
         mission.source.name, digest, mission.step, mission.horizon, runs, info,
-        params=dict(mission.params), grids=shapes(mission),
+        params=dict(mission.params), grids=shapes(mission), learned=lessons(mission),
     )  # fmt: skip
 
 

@@ -11,10 +11,12 @@ from typing import Any
 import numpy as np
 
 from stlc.plan import FORMAT_VERSION, LinkSeries, Plan, Run
+from stlc.radio.learned import Learned
 
 
 def to_json(plan: Plan) -> str:
     """The plan as one JSON object with a line for each row of numbers."""
+    learned = {name: _learned(what) for name, what in plan.learned.items()}
     return layout(
         {
             "format": "stlc plan",
@@ -26,6 +28,7 @@ def to_json(plan: Plan) -> str:
             "step": plan.step,
             "horizon": plan.horizon,
             **({"executed": plan.executed} if plan.executed else {}),
+            **({"learned": learned} if learned else {}),
             "solve": plain(asdict(plan.solve)),
             "requirements": [
                 {"name": r.name, "robustness": _number(r.robustness), "margin": r.margin}
@@ -36,6 +39,14 @@ def to_json(plan: Plan) -> str:
             "certificate": plain(plan.certificate.as_dict()),
         }
     )
+
+
+def _learned(what: Learned) -> dict[str, Any]:
+    """Samples in rows: their link [m], then the strength [dBm]."""
+    found: dict[str, Any] = {"samples": np.column_stack([what.links, what.rssi]).tolist()}
+    if what.parameters is not None:
+        found["parameters"] = plain(asdict(what.parameters))
+    return found
 
 
 def _run(run: Run) -> dict[str, Any]:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 import math
 import os
-import sys
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,6 +14,8 @@ from stlc.certificate import Certificate, Checked, Claim, Misses
 from stlc.errors import UsageError
 from stlc.inputs import InputError, read_input
 from stlc.plan import FORMAT_VERSION, LinkSeries, Plan, RequirementValue, Run, SolveInfo
+from stlc.plan_place import Place
+from stlc.radio.learned import Learned, Parameters
 from stlc.sense import Sense
 
 Array = NDArray[np.float64]
@@ -45,7 +45,7 @@ def parse(data: bytes | str, name: str = "plan") -> Plan:
         raise UsageError(f"{name}: not a plan: it is nested too deeply") from None
     except ValueError as error:
         raise UsageError(f"{name}: not a plan: {error}") from None
-    return _plan(_Place(name, "", value))
+    return _plan(Place(name, "", value))
 
 
 def _refuse_constant(word: str) -> float:
@@ -62,88 +62,7 @@ def _once_each(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return found
 
 
-@dataclass(frozen=True, slots=True)
-class _Place:
-    """A JSON value and where it stands, for messages."""
-
-    file: str
-    path: str
-    value: Any
-
-    def fail(self, wanted: str) -> UsageError:
-        """The error that names this place and what was expected there."""
-        where = f" at {self.path.lstrip('.')}" if self.path else ""
-        return UsageError(f"{self.file}: not a valid plan{where}: expected {wanted}")
-
-    def has(self, key: str) -> bool:
-        """Whether it is an object with this key."""
-        return isinstance(self.value, dict) and key in self.value
-
-    def __getitem__(self, key: str) -> _Place:
-        if not isinstance(self.value, dict):
-            raise self.fail("an object")
-        if key not in self.value:
-            raise self.fail(f"a field {key!r}")
-        return _Place(self.file, f"{self.path}.{key}", self.value[key])
-
-    def fields(self) -> dict[str, _Place]:
-        """The places of an object, by key."""
-        if not isinstance(self.value, dict):
-            raise self.fail("an object")
-        return {key: self[key] for key in self.value}
-
-    def items(self) -> list[_Place]:
-        """The places of a list."""
-        if not isinstance(self.value, list):
-            raise self.fail("a list")
-        return [_Place(self.file, f"{self.path}[{i}]", v) for i, v in enumerate(self.value)]
-
-    def text(self) -> str:
-        """A text."""
-        if not isinstance(self.value, str):
-            raise self.fail("a text")
-        return self.value
-
-    def texts(self) -> tuple[str, ...]:
-        """A list of texts."""
-        return tuple(item.text() for item in self.items())
-
-    def truth(self) -> bool:
-        """True or false."""
-        if not isinstance(self.value, bool):
-            raise self.fail("true or false")
-        return self.value
-
-    def number(self) -> float:
-        """A finite number."""
-        value = self.value
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self.fail("a number")
-        if abs(value) > sys.float_info.max:
-            raise self.fail("a finite number")
-        return float(value)
-
-    def optional(self) -> float | None:
-        """A number, "inf", "-inf" or null."""
-        if self.value is None:
-            return None
-        return float(self.value) if self.value in ("inf", "-inf") else self.number()
-
-    def array(self, rows: int, columns: int) -> Array:
-        """Finite numbers (rows, columns)."""
-        lines = self.items()
-        if len(lines) != rows:
-            raise self.fail(f"{rows} rows, not {len(lines)}")
-        out = np.empty((rows, columns))
-        for i, line in enumerate(lines):
-            cells = line.items()
-            if len(cells) != columns:
-                raise line.fail(f"{columns} numbers, not {len(cells)}")
-            out[i] = [cell.number() for cell in cells]
-        return out
-
-
-def _plan(top: _Place) -> Plan:
+def _plan(top: Place) -> Plan:
     """A plan from its JSON; UsageError names the place of what is missing or of another type."""
     if not top.has("format") or top["format"].value != "stlc plan":
         raise top.fail('an object with "format": "stlc plan"')
@@ -169,10 +88,11 @@ def _plan(top: _Place) -> Plan:
         {k: p.text() for k, p in top["params"].fields().items()} if top.has("params") else {},
         {k: _grid(p) for k, p in top["grids"].fields().items()} if top.has("grids") else {},
         _executed(top["executed"], length) if top.has("executed") else 0,
+        {k: _learned(p) for k, p in top["learned"].fields().items()} if top.has("learned") else {},
     )
 
 
-def _executed(place: _Place, horizon: int) -> int:
+def _executed(place: Place, horizon: int) -> int:
     """How many steps were carried out before the plan was made."""
     count = place.value
     if not isinstance(count, int) or isinstance(count, bool) or not 0 <= count <= horizon:
@@ -180,7 +100,23 @@ def _executed(place: _Place, horizon: int) -> int:
     return count
 
 
-def _grid(place: _Place) -> tuple[int, ...]:
+def _learned(place: Place) -> Learned:
+    """Samples that a channel was conditioned on, and parameters where it was fitted anew."""
+    rows = place["samples"].items()
+    width = len(rows[0].items()) if rows else 0
+    if width not in (5, 7):
+        raise place["samples"].fail("rows of 4 or 6 coordinates and a strength")
+    table = place["samples"].array(len(rows), width)
+    found = place["parameters"] if place.has("parameters") else None
+    if found is None:
+        return Learned(table[:, :-1], table[:, -1])
+    names = ("l0", "exponent", "fading", "deviation", "shadowing", "length")
+    losses = tuple(loss.number() for loss in found["losses"].items())
+    figures = Parameters(**{name: found[name].number() for name in names}, losses=losses)
+    return Learned(table[:, :-1], table[:, -1], figures)
+
+
+def _grid(place: Place) -> tuple[int, ...]:
     """Cells along each axis of a channel that chose them."""
     counts = [cell.value for cell in place.items()]
     whole = all(isinstance(n, int) and 1 <= n <= _MOST_CELLS for n in counts)
@@ -189,7 +125,7 @@ def _grid(place: _Place) -> tuple[int, ...]:
     return tuple(counts)
 
 
-def _read_run(place: _Place, horizon: int) -> Run:
+def _read_run(place: Place, horizon: int) -> Run:
     """One agent's run; arrays have the shapes that horizon and names ask for."""
     states, inputs = place["state_names"].texts(), place["input_names"].texts()
     units = place["state_units"].texts(), place["input_units"].texts()
@@ -205,7 +141,7 @@ def _read_run(place: _Place, horizon: int) -> Run:
     )
 
 
-def _read_solve(place: _Place) -> SolveInfo:
+def _read_solve(place: Place) -> SolveInfo:
     words = {k: place[k].text() for k in ("status", "backend", "solver", "encoding")}
     figures = {k: place[k].optional() for k in ("objective", "bound", "gap")}
     seconds = {k: p.number() for k, p in place["seconds"].fields().items()}
@@ -215,7 +151,7 @@ def _read_solve(place: _Place) -> SolveInfo:
     )  # fmt: skip
 
 
-def _read_certificate(place: _Place) -> Certificate:
+def _read_certificate(place: Place) -> Certificate:
     """What was found of a plan; nothing of it need be there."""
     given = place.fields()
     verified = given["verified"].truth() if "verified" in given else None
@@ -223,7 +159,7 @@ def _read_certificate(place: _Place) -> Certificate:
     return Certificate(_read_checked(place) if "claim" in given else None, verified, notes)
 
 
-def _read_checked(place: _Place) -> Checked:
+def _read_checked(place: Place) -> Checked:
     """A point held against the model; `place` is the certificate's."""
     claim = place["claim"]
     said = Claim(
@@ -239,7 +175,7 @@ def _read_checked(place: _Place) -> Checked:
     )  # fmt: skip
 
 
-def _read_misses(place: _Place) -> Misses | None:
+def _read_misses(place: Place) -> Misses | None:
     """Largest violations, None where there was no point."""
     if place.value is None:
         return None
@@ -254,7 +190,7 @@ def _read_misses(place: _Place) -> Misses | None:
     return Misses(rows, bounds, integrality, relative[0], relative[1], *worst)
 
 
-def _read_sense(place: _Place) -> Sense:
+def _read_sense(place: Place) -> Sense:
     """Plans that don't say so are minimised, whatever their mission."""
     if not place.has("sense"):
         return Sense.MINIMIZE
@@ -264,12 +200,12 @@ def _read_sense(place: _Place) -> Sense:
     return Sense(word)
 
 
-def _read_requirement(place: _Place) -> RequirementValue:
+def _read_requirement(place: Place) -> RequirementValue:
     value = place["robustness"].optional()
     return RequirementValue(place["name"].text(), value, place["margin"].number())
 
 
-def _read_link(place: _Place, horizon: int) -> LinkSeries:
+def _read_link(place: Place, horizon: int) -> LinkSeries:
     pair = place["pair"].texts()
     if len(pair) != 2:
         raise place["pair"].fail("two names")
@@ -277,7 +213,7 @@ def _read_link(place: _Place, horizon: int) -> LinkSeries:
     return LinkSeries(place["channel"].text(), pair[0], pair[1], values)
 
 
-def _series(place: _Place, horizon: int) -> Array:
+def _series(place: Place, horizon: int) -> Array:
     cells = [item.optional() for item in place.items()]
     if len(cells) != horizon + 1:
         raise place.fail(f"{horizon + 1} numbers, not {len(cells)}")

@@ -41,6 +41,7 @@ MAY: Mapping[str, set[str]] = {
     "mission": {"ir", "radio"},
     "channels": {"ir", "radio", "mission"},
     "grids": {"mission", "radio"},
+    "measurements": {"mission", "radio"},
     "scales": {"mission", "channels"},
     "bezier": {"mission"},
     "sema": {"grids", "syntax", "ir", "radio", "mission", "scales", "bezier", "recording"},
@@ -50,7 +51,7 @@ MAY: Mapping[str, set[str]] = {
         "ir", "mission", "analysis", "passes", "channels", "scales", "trajectories", "bezier",
     },
     "backends": {"milp"},
-    "plan": {"grids", "mission"},
+    "plan": {"grids", "measurements", "mission", "radio"},
     "verify": {"grids", "ir", "radio", "mission", "channels", "scales", "plan"},
     "monitor": {"ir", "mission", "verify", "recording"},
     "solve": {
@@ -59,16 +60,16 @@ MAY: Mapping[str, set[str]] = {
     },
     "explain": {
         "syntax", "ir", "mission", "channels", "analysis", "passes", "milp", "backends", "verify",
-        "trajectories", "plan", "grids", "solve",
+        "trajectories", "plan", "solve",
     },
-    "simulate": {"ir", "radio", "mission", "channels", "plan", "verify"},
-    "plot": {"ir", "radio", "mission", "channels", "plan", "verify"},
+    "simulate": {"ir", "radio", "mission", "measurements", "channels", "plan", "verify"},
+    "plot": {"ir", "radio", "mission", "measurements", "channels", "plan", "verify"},
     "report": {
-        "grids", "grammar", "ir", "mission", "plan", "verify", "plot", "explain",
+        "grammar", "ir", "mission", "plan", "verify", "plot", "explain",
     },
     "renew": {
-        "ir", "radio", "mission", "channels", "grids", "scales", "passes", "milp", "plan",
-        "verify", "solve",
+        "ir", "radio", "mission", "channels", "grids", "measurements", "scales", "passes", "milp",
+        "plan", "verify", "solve",
     },
     "api": {
         "syntax", "sema", "mission", "milp", "plan", "verify", "solve", "simulate", "explain",
@@ -120,7 +121,7 @@ GRAPH = {module: _imports(module) for module in MODULES}
 def _room(module: str) -> str:
     room = module.split(".")[1] if "." in module else ""
     parts = {
-        "certificate": "plan", "plan_json": "plan", "plan_reader": "plan",
+        "certificate": "plan", "plan_json": "plan", "plan_reader": "plan", "plan_place": "plan",
         "places": "mission", "preferences": "mission",
         "charges": "mission", "tubes": "mission",
     }  # fmt: skip

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
               help="States measured there (JSON); else those of the plan.")  # fmt: skip
 @click.option("--samples", multiple=True, metavar="[CHANNEL=]CSV",
               help="Signal strengths measured on the way.")  # fmt: skip
+@click.option("--refit", is_flag=True,
+              help="Fit channels anew where enough samples came and they say so.")  # fmt: skip
 @click.option("--time-limit", type=Amount(min=0), default=10.0, show_default=True,
               metavar="S", help="Seconds for the solver.")  # fmt: skip
 @click.option("--gap", type=Amount(min=0), default=1e-4, show_default=True,
@@ -39,8 +41,8 @@ if TYPE_CHECKING:
               help="`auto`: a live line at a terminal, else lines of text.")  # fmt: skip
 def replan_command(
     file: Path, plan: Path, define: tuple[str, ...], allow_path: tuple[Path, ...], step: int,
-    state: Path | None, samples: tuple[str, ...], time_limit: float, gap: float, backend: str,
-    output: Path | None, as_json: bool, style: str,
+    state: Path | None, samples: tuple[str, ...], refit: bool, time_limit: float, gap: float,
+    backend: str, output: Path | None, as_json: bool, style: str,
 ) -> int:  # fmt: skip
     """Plan what is left of FILE anew, after PLAN was followed up to a step.
 
@@ -62,16 +64,18 @@ def replan_command(
     past = along(mission, old, step, {}) if state is None else read_past(state, mission, old, step)
     heard = {name: read_heard(path) for name, path in (channel_of(mission, s) for s in samples)}
     settings = SolveSettings(backend, time_limit=time_limit, gap=gap, save_to=output, grace=0.4)
-    renewed = replan(mission, past, settings, old=old, heard=heard, listen=listener(style))
+    renewed = replan(
+        mission, past, settings, old=old, heard=heard, refit=refit, listen=listener(style)
+    )
     answer(_as_dict(renewed)) if as_json else click.echo(renewed.text())
     return 0 if renewed.kept else ViolationError.exit_status
 
 
 def _check_plan(mission: Any, old: Any) -> None:
-    from stlc.grids import on_grids
+    from stlc.plan import as_planned
     from stlc.verify.subject import check_shape
 
-    check_shape(on_grids(mission, old.grids), old)
+    check_shape(as_planned(mission, old), old)
 
 
 def _as_dict(renewed: Renewed) -> dict[str, Any]:

@@ -7,9 +7,8 @@ from typing import Any
 
 from stlc.explain.marginal_costs import prices
 from stlc.explain.words import place
-from stlc.grids import on_grids
 from stlc.mission import Mission
-from stlc.plan import Plan
+from stlc.plan import Plan, as_planned
 from stlc.verify import Report, verify
 from stlc.verify.report import tidy
 from stlc.verify.requirement_report import RequirementReport, is_tight, slack_of
@@ -78,7 +77,7 @@ class Explained:
 
 def explain_plan(mission: Mission, plan: Plan) -> Explained:
     """What of a plan is tight. UsageError when it doesn't fit the mission's shape."""
-    mission = on_grids(mission, plan.grids)
+    mission = as_planned(mission, plan)
     report = verify(mission, plan)
     tight = [r.name for r in report.requirements if is_tight(r)]
     cost = prices(mission, plan, tight) if report.ok else {}

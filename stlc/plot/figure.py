@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from stlc.measurements import with_learned
 from stlc.mission import Mission
 from stlc.plan import Plan
 from stlc.plot.altitude import draw_altitudes, flying
@@ -47,6 +48,7 @@ def build(mission: Mission, plan: Plan) -> Figure:
     from matplotlib.figure import Figure
 
     plan = judged(mission, plan)
+    mission = with_learned(mission, plan.learned)
     look = looks(mission.agents)
     now = clock(plan)
     panels = _panels(mission, plan, look, now)

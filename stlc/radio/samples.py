@@ -83,6 +83,20 @@ def make_samples(links: Array, rssi: Array) -> Samples:
     )
 
 
+def joined(first: Samples, second: Samples) -> Samples:
+    """The samples of both, those of `second` by the calibration that `first` begins with.
+
+    Raises RadioError for links in the plane beside such with heights.
+    """
+    if first.links.shape[1] != second.links.shape[1]:
+        raise RadioError("some samples have heights, others have none")
+    return Samples(
+        np.vstack([first.links, second.links]), np.concatenate([first.rssi, second.rssi]),
+        np.concatenate([first.floor, second.floor]),
+        np.concatenate([first.receiver, np.zeros(len(second), dtype=np.intp)]), first.names,
+    )  # fmt: skip
+
+
 def distinct(samples: Samples) -> Samples:
     """The samples without those that repeat another's link, receiver, strength and floor."""
     key = [link_numbers(samples.links), samples.receiver, samples.rssi, samples.floor]

@@ -10,6 +10,7 @@ import numpy as np
 from stlc.arrays import Floats
 from stlc.certificate import Certificate
 from stlc.errors import UsageError
+from stlc.measurements import lessons
 from stlc.mission import Mission
 from stlc.plan import Plan
 
@@ -100,5 +101,5 @@ def joined(past: Past, rest: Plan, mission: Mission) -> Plan:
     }
     return replace(
         rest, horizon=mission.horizon, runs=runs, executed=past.step, requirements=(), links=(),
-        certificate=Certificate(),
+        certificate=Certificate(), learned=lessons(mission),
     )  # fmt: skip

@@ -61,6 +61,7 @@ class Loop:
     sigmas  an event: a packet is further from its forecast than so many standard deviations
     drift   an event: a state is further than this from the plan, in its own unit, along any axis
     learn   condition channels on what was heard
+    refit   fit their parameters anew where enough was heard (`stlc.radio.likelier`)
     settings  of each solve; its time limit is what a step leaves
     """
 
@@ -68,6 +69,7 @@ class Loop:
     sigmas: float = 3.0
     drift: float = 1e-3
     learn: bool = True
+    refit: bool = False
     settings: SolveSettings = field(default_factory=lambda: SolveSettings(time_limit=5.0))
 
 
@@ -121,6 +123,7 @@ class _Run:
     events: list[Event] = field(default_factory=list)
     seconds: list[float] = field(default_factory=list)
     tables: TableMemo = field(default_factory=dict)
+    told: int = 0  # packets that the plan knows of
 
     def go(self, plan: Plan | None) -> Voyage:
         """From the first step to the last."""
@@ -142,7 +145,7 @@ class _Run:
             measured = self.world.step({n: x[-1] for n, x in past.states.items()}, inputs)
             past = past.then(inputs, measured.states)
         self.heard += measured.heard
-        return self._concluded(past)
+        return self._concluded(past, plan)
 
     def _event(self, step: int, plan: Plan, measured: Measured, known: Mission) -> str:
         """What makes the plan stale; empty while it is good."""
@@ -164,10 +167,13 @@ class _Run:
     ) -> tuple[Plan | None, Mission]:
         """A new plan and what it was made by; the old ones where there is none in time."""
         began = perf_counter()
-        heard = collected(self.heard) if self.loop.learn else {}
+        heard = collected(self.heard[self.told :]) if self.loop.learn else {}
         renewed = None
         try:
-            renewed = replan(self.mission, past, self._settings(), old=plan, heard=heard)
+            renewed = replan(
+                self.mission, past, self._settings(), old=plan, heard=heard, refit=self.loop.refit
+            )
+            self.told = len(self.heard)
         except NoPlanError:
             if plan is None:
                 raise
@@ -186,10 +192,10 @@ class _Run:
             return given
         return replace(given, compile=replace(options, tables=self.tables))
 
-    def _concluded(self, past: Past) -> Voyage:
+    def _concluded(self, past: Past, plan: Plan | None) -> Voyage:
         """The run as it was, judged by all that is known at its end."""
-        heard = collected(self.heard) if self.loop.learn else {}
-        known = reestimated(self.mission, heard)
+        heard = collected(self.heard[self.told :]) if self.loop.learn else {}
+        known = reestimated(self.mission, heard, {} if plan is None else plan.learned)
         last = self.mission.horizon
         run = replace(make_plan(known, past.states, past.inputs), executed=last)
         report = verify(known, run)

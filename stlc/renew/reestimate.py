@@ -7,38 +7,53 @@ from dataclasses import replace
 from pathlib import Path
 
 from stlc.errors import UsageError
+from stlc.measurements import with_learned
 from stlc.mission import Channel, Mission
 from stlc.radio.errors import DataError, RadioError
-from stlc.radio.gp import extended
+from stlc.radio.learned import Learned, together
+from stlc.radio.likelier import fitted_anew
 from stlc.radio.read import SampleOptions, read_samples
-from stlc.radio.samples import Samples
+from stlc.radio.samples import Samples, joined
 
 
-def reestimated(mission: Mission, heard: Mapping[str, Samples]) -> Mission:
-    """The mission with channels conditioned on further samples of each, by name.
+def reestimated(
+    mission: Mission,
+    heard: Mapping[str, Samples],
+    known: Mapping[str, Learned] | None = None,
+    *,
+    refit: bool = False,
+) -> Mission:
+    """The mission with channels that know further samples of each, by name.
 
-    Parameters stay; the posterior is that of all samples, old and new. A new sample of a link that
-    had been measured before counts as another link as far as its own deviation goes. Raises
-    UsageError for a channel that isn't there or has no model, or samples that it cannot take.
+    `known` is what they had learnt before. Their posterior is that of all samples, old and new;
+    parameters stay, but with `refit` where `stlc.radio.likelier` finds others. Raises UsageError
+    for a channel that isn't there or has no model, or samples that it cannot take.
     """
-    channels = dict(mission.channels)
+    learned = dict(known or {})
     for name, samples in heard.items():
-        channel = channels.get(name)
-        if channel is None or channel.model is None:
-            known = ", ".join(c.name for c in channels.values() if c.model is not None)
-            text = "has no model to condition" if channel else "is not in the mission"
-            raise UsageError(f"channel {name!r} {text}; those with a model: {known or 'none'}")
-        if len(samples):
-            channels[name] = _conditioned(channel, samples)
-    return replace(mission, channels=channels)
+        if samples.censored.any():
+            raise UsageError(f"channel {name!r}: censored samples can't be conditioned on")
+        if not len(samples) and name in mission.channels:
+            continue
+        before = [learned[name]] if name in learned else []
+        try:
+            learned[name] = together([*before, Learned(samples.links, samples.rssi)])
+        except RadioError as error:
+            raise UsageError(f"channel {name!r}: {error}") from None
+    found = with_learned(mission, learned)
+    if not refit:
+        return found
+    return with_learned(mission, {n: _anew(mission.channels[n], x) for n, x in learned.items()})
 
 
-def _conditioned(channel: Channel, samples: Samples) -> Channel:
-    assert channel.model is not None
-    try:
-        return replace(channel, model=extended(channel.model, samples))
-    except RadioError as error:
-        raise UsageError(f"channel {channel.name!r}: {error}") from None
+def _anew(channel: Channel, learned: Learned) -> Learned:
+    """What a channel has learnt, with parameters fitted to all samples where they are worth it."""
+    model, given, fresh = channel.model, channel.samples, learned.samples
+    assert model is not None
+    prior = model if learned.parameters is None else learned.parameters.prior(model)
+    everything = fresh if given is None else joined(given, fresh)
+    found = fitted_anew(prior, given, fresh, everything)
+    return learned if found is None else replace(learned, parameters=found)
 
 
 def read_heard(path: str | Path) -> Samples:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +12,7 @@ from stlc.errors import DisagreementError, InfeasibleError, UsageError
 from stlc.grids import on_grids
 from stlc.mission import Mission
 from stlc.plan import Plan, make_plan
+from stlc.radio.learned import Parameters
 from stlc.radio.samples import Samples
 from stlc.renew.eased import Eased, Exceeded, eased, softened
 from stlc.renew.past import Past, joined
@@ -81,9 +82,23 @@ class Renewed:
         lines = [f"step {self.plan.executed}: {info.status}, what is left costs {value}"]
         lines += [f"  done: {', '.join(self.done)}"] if self.done else []
         lines += [f"  {lost}" for lost in self.lost]
+        lines += [f"  {name}: {_fit(p)}" for name, p in self._fitted()]
         lines += [f"  softened: {s}" for s in self.softened]
         lines += [f"  given up: {name}" for name in self.given_up]
         return "\n".join([*lines, *self.report.text().splitlines()[1:]])
+
+    def _fitted(self) -> Iterator[tuple[str, Parameters]]:
+        for name, what in self.plan.learned.items():
+            if what.parameters is not None:
+                yield name, what.parameters
+
+
+def _fit(p: Parameters) -> str:
+    return (
+        f"fitted anew: L0 = {p.l0:.4g} dBm, n = {p.exponent:.3g}, fading {p.fading:.3g} dB^2, "
+        f"shadowing {p.shadowing:.3g} dB^2, length {p.length:.3g} m, "
+        f"deviation {p.deviation:.3g} dB^2"
+    )
 
 
 def replan(
@@ -93,21 +108,23 @@ def replan(
     *,
     old: Plan | None = None,
     heard: Mapping[str, Samples] | None = None,
+    refit: bool = False,
     listen: Listener = ignore,
 ) -> Renewed:
     """Plan what is left of a mission after `past`.
 
-    `heard` are samples measured on the way, by channel: what comes is planned by the channels that
-    they give. `old`, a plan of the whole mission, is where the search starts, shifted to now.
-    Bounds that the measured state breaks are exceeded as little as can be; where the requirements
-    cannot hold any more, as little is given up. The new plan, joined to the past, is verified as a
-    whole. Raises NoPlanError at a limit, InfeasibleError where even so nothing is left.
+    `heard` are samples measured on the way, by channel, beside those that `old` holds: what comes
+    is planned by the channels that they give, with `refit` fitted anew where `stlc.radio.likelier`
+    says so. `old`, a plan of the whole, is where the search starts, shifted to now. Bounds that the
+    measured state breaks are exceeded as little as can be; where the requirements cannot hold any
+    more, as little is given up. The new plan, joined to the past, is verified as a whole. Raises
+    NoPlanError at a limit, InfeasibleError where even so nothing is left.
     """
     settings = settings or SolveSettings()
     settings = replace(settings, tier_gap=min(settings.gap, _EXACT))
-    if old is not None:
-        mission = on_grids(mission, old.grids)
-    mission = reestimated(mission, heard or {})
+    before = {} if old is None else old.learned
+    mission = mission if old is None else on_grids(mission, old.grids)
+    mission = reestimated(mission, heard or {}, before, refit=refit)
     left = remaining(mission, past)
     room = eased(left.mission)
     if old is not None and settings.start is None:
@@ -117,9 +134,8 @@ def replan(
     plan, report = _whole(mission, past, outcome, memo)
     soft = tuple(_softened(e, outcome.plan, past.step) for e in room.exceeded)
     soft = tuple(s for s in soft if s.now > _TOLERANCE or s.until is not None)
-    renewed = Renewed(
-        plan, report, outcome, left.done, left.lost, soft, given_up, on_grids(mission, plan.grids)
-    )
+    known = on_grids(mission, plan.grids)
+    renewed = Renewed(plan, report, outcome, left.done, left.lost, soft, given_up, known)
     _check(renewed)
     if settings.save_to is not None:
         plan.write(settings.save_to)

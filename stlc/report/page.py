@@ -9,9 +9,8 @@ from pathlib import PurePath
 from typing import Any
 
 from stlc.explain.tight import LABEL, Explained, explain_plan
-from stlc.grids import on_grids
 from stlc.mission import Mission
-from stlc.plan import Plan
+from stlc.plan import Plan, as_planned
 from stlc.report.charts import charts
 from stlc.report.listing import listing
 from stlc.report.needs import needs
@@ -68,7 +67,7 @@ _TEMPLATE = """<!doctype html>
 
 def page(mission: Mission, plan: Plan) -> str:
     """The whole page. Raises UsageError when the plan doesn't fit the mission."""
-    mission = on_grids(mission, plan.grids)
+    mission = as_planned(mission, plan)
     found = explain_plan(mission, plan)
     plan = found.report.annotate(plan)
     cards = needs(mission, plan, found)

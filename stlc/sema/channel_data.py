@@ -123,14 +123,18 @@ def read_samples(source: SampleSource, files: Files) -> Samples:
         raise Mistake(_bad(source.path, error)) from None
 
 
-def conditioned(model: ChannelModel, name: str, source: SampleSource, files: Files) -> ChannelModel:
+Measured = tuple["ChannelModel", "Samples"]
+"""A channel, and the samples that it was made with."""
+
+
+def conditioned(model: ChannelModel, name: str, source: SampleSource, files: Files) -> Measured:
     """The channel given measurements."""
     from stlc.radio.errors import RadioError
     from stlc.radio.gp import condition
 
     samples = read_samples(source, files)
     try:
-        return condition(model, samples)
+        return condition(model, samples), samples
     except RadioError as error:
         raise Mistake(_refused(name, source, error)) from None
 
@@ -146,7 +150,7 @@ class FitShape:
 
 def fitted(
     name: str, source: SampleSource, shape: FitShape, scope: Scope, files: Files
-) -> ChannelModel:
+) -> Measured:
     """The channel of maximum likelihood for measurements, conditioned on them."""
     from stlc.radio.errors import RadioError
     from stlc.radio.fit import FitOptions, fit_channel
@@ -163,7 +167,7 @@ def fitted(
         raise Mistake(_refused(name, source, error)) from None
     for note in report.notes:
         scope.report.add(ChannelNote(span=source.path.span, channel=name, text=note))
-    return report.model
+    return report.model, samples
 
 
 def _refused(name: str, source: SampleSource, error: Exception) -> BadChannel:

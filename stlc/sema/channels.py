@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from stlc.radio.gp import ChannelModel
     from stlc.radio.link_budget import LinkBudget
     from stlc.radio.partition import Partition
+    from stlc.radio.samples import Samples
 
 PROPERTIES = (
     "path_loss", "L0", "n", "d0", "fading", "deviation", "shadowing", "length", "kernel",
@@ -58,7 +59,7 @@ def channel(statement: ast.ChannelDecl, scope: Scope, files: Files) -> Channel:
     """The channel that a block describes."""
     owner = f"channel `{statement.name.text}`"
     reader = Reader(props.block(owner, statement.properties, PROPERTIES, scope), scope)
-    model = _model(statement, reader, files)
+    model, samples = _model(statement, reader, files)
     check_samples(reader.block, statement.name.text, model, scope)
     cells = _partition(statement, reader, model, scope)
     budget = link_budget(reader) if model is not None else None
@@ -74,6 +75,7 @@ def channel(statement: ast.ChannelDecl, scope: Scope, files: Files) -> Channel:
         predicate_bound=Bound(reader.word("bound", BOUNDS, Bound.WORST.value)),
         cost_bound=Bound(reader.word("cost_bound", BOUNDS, Bound.MEAN.value)),
         auto=is_auto(reader.block.get("partition")),
+        samples=samples,
         span=statement.name.span,
     )
     return made
@@ -105,12 +107,14 @@ def _cost(reader: Reader, scope: Scope) -> str:
     return cost
 
 
-def _model(statement: ast.ChannelDecl, reader: Reader, files: Files) -> ChannelModel | None:
-    """The channel model, conditioned on or fitted to samples; None for tables alone."""
+def _model(
+    statement: ast.ChannelDecl, reader: Reader, files: Files
+) -> tuple[ChannelModel | None, Samples | None]:
+    """The channel model, conditioned on or fitted to samples, and these; None for tables alone."""
     block, name = reader.block, statement.name.text
     item = block.get("samples")
     if block.get("L0", "n", "path_loss", "samples") is None and block.get("table"):
-        return None
+        return None, None
     source = None if item is None else sample_source(item, reader.scope)
     walls = walls_of(block, statement.name, reader.scope)
     drawn = as_radio(walls)
@@ -119,7 +123,7 @@ def _model(statement: ast.ChannelDecl, reader: Reader, files: Files) -> ChannelM
         return fitted(name, source, shape, reader.scope, files)
     known_losses(walls, statement.name)
     model = replace(_prior(statement, reader), walls=drawn)
-    return model if source is None else conditioned(model, name, source, files)
+    return (model, None) if source is None else conditioned(model, name, source, files)
 
 
 def _kernel(reader: Reader) -> str:

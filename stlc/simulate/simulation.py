@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from stlc.errors import UsageError
 from stlc.ir.nodes import Linear, Link, Node, walk
 from stlc.ir.requirement import Requirement
+from stlc.measurements import with_learned
 from stlc.mission import Mission
 from stlc.plan import Plan
 from stlc.preferences import Measure, Preference
@@ -50,6 +51,7 @@ def simulate(
     Raises UsageError when the plan doesn't fit the mission, RadioError as the channels do.
     """
     check_shape(mission, plan)
+    mission = with_learned(mission, plan.learned)
     if draws < 1 or not 0.0 < confidence < 1.0:
         raise UsageError("a simulation needs at least one draw and a confidence between 0 and 1")
     rng = np.random.default_rng(seed)

@@ -7,9 +7,9 @@ from dataclasses import replace
 from itertools import combinations
 
 from stlc.channels import ChannelTables
-from stlc.grids import on_grids, shapes, text
+from stlc.grids import shapes, text
 from stlc.mission import Mission
-from stlc.plan import Plan
+from stlc.plan import Plan, as_planned
 from stlc.verify.chains import Chain
 from stlc.verify.clearance import outside
 from stlc.verify.conditions import Motions
@@ -43,7 +43,7 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
     `tables` saves making a channel's tables again; grids that channels chose are the plan's.
     Raises UsageError when the plan doesn't fit the mission's shape.
     """
-    subject = with_room(make_subject(on_grids(mission, plan.grids), plan, tables))
+    subject = with_room(make_subject(as_planned(mission, plan), plan, tables))
     mission = subject.mission
     cells = CellModel(subject)
     true = TrueModel(subject, cells)
@@ -110,6 +110,9 @@ def _notes(subject: Subject, motion: Mapping[str, Path]) -> Iterator[str]:
         yield "the mission's text has changed since the plan was made"
     if chosen := shapes(subject.mission):
         yield f"links are judged cell by cell, {text(chosen)}, chosen by `partition auto`"
+    for channel, lesson in subject.plan.learned.items():
+        anew = "; its parameters were fitted anew" if lesson.parameters else ""
+        yield f"{channel} knows {len(lesson)} samples measured on the way, held by the plan{anew}"
     yield from norm_notes(subject)
     for name, agent in subject.mission.agents.items():
         widths = half_widths(agent, subject.mission.horizon)

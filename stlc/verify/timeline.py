@@ -6,10 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stlc.grids import on_grids
 from stlc.ir.nodes import Always, Eventually, Linear, Link, Node, Release, Until, walk
 from stlc.mission import Mission
-from stlc.plan import Plan
+from stlc.plan import Plan, as_planned
 from stlc.verify.critical import descent
 from stlc.verify.link_models import CellModel
 from stlc.verify.robustness import Evaluator
@@ -38,7 +37,7 @@ def timelines(mission: Mission, plan: Plan) -> tuple[Timeline | None, ...]:
 
     Raises UsageError when the plan doesn't fit the mission's shape.
     """
-    mission = on_grids(mission, plan.grids)
+    mission = as_planned(mission, plan)
     subject = make_subject(mission, plan, None)
     cells = CellModel(subject)
     evaluator = Evaluator(Trace(mission.horizon + 1, subject.signals, cells.robustness))
