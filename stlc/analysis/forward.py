@@ -133,7 +133,7 @@ def _meet(box: Box, step: int, low: Floats, high: Floats) -> None:
 
 def image(matrix: Floats, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
     """Interval of matrix @ v for v in [lower, upper]; 0 times infinity counts as 0."""
-    with np.errstate(invalid="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"):
         a = np.where(matrix == 0, 0.0, matrix * lower)
         b = np.where(matrix == 0, 0.0, matrix * upper)
     return np.minimum(a, b).sum(axis=-1), np.maximum(a, b).sum(axis=-1)

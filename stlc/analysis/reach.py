@@ -50,11 +50,12 @@ def propagate(boxes: Mapping[str, Box], musts: Sequence[tuple[Linear, float]]) -
 
 
 def _width(box: Box) -> float:
-    """Total length of all intervals (infinite ones count alike): a sweep that changes nothing
-    leaves it as it is."""
-    widths = np.concatenate(
-        [(box.x_upper - box.x_lower).ravel(), (box.u_upper - box.u_lower).ravel()]
-    )
+    """Total length of all intervals (infinite ones count alike, and those beyond doubles): a sweep
+    that changes nothing leaves it as it is."""
+    with np.errstate(over="ignore"):
+        widths = np.concatenate(
+            [(box.x_upper - box.x_lower).ravel(), (box.u_upper - box.u_lower).ravel()]
+        )
     return float(np.where(np.isfinite(widths), widths, 1e6).sum())
 
 
@@ -164,7 +165,7 @@ def _check(box: Box, why: str) -> None:
 
 def _gap(lower: Floats, upper: Floats) -> Floats:
     """How far intervals are from holding anything, beyond rounding; -inf where nobody knows."""
-    with np.errstate(invalid="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"):
         gap = lower - upper - ROUNDING * finite_size(lower)
     return np.where(np.isnan(gap), -np.inf, gap)
 
@@ -184,7 +185,7 @@ def tidy(values: Floats) -> Floats:
     far less than any solver's tolerance.
     """
     near = np.round(values, 6)
-    with np.errstate(invalid="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"):
         dust = np.abs(values - near) <= _DUST * np.maximum(1.0, np.abs(values))
     return np.where(dust, near, values)
 
@@ -200,7 +201,7 @@ def position_ranges(space: Floats | None, lower: Floats, upper: Floats) -> tuple
 
 def _ordered(lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
     crossed = lower > upper
-    with np.errstate(invalid="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"):
         middle = (lower + upper) / 2
     return np.where(crossed, middle, lower), np.where(crossed, middle, upper)
 

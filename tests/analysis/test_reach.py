@@ -162,3 +162,15 @@ def test_a_demand_on_what_differs_much_in_size_cuts_no_point_off() -> None:
     px, py = (Signal("r", Role.STATE, index, 0) for index in (0, 1))
     propagate({"r": box}, [(Linear(((px, 1.0), (py, 1.0)), 0.0, "m"), 0.5)])
     assert box.x_lower[0, 0] <= -0.5  # where py is 1
+
+
+@pytest.mark.filterwarnings("error")
+def test_bounds_whose_difference_overflows_warn_nobody() -> None:
+    """An input between -1e308 and 1e308 is as wide as no double."""
+    text = """horizon 6
+workspace box [0, 10] x [0, 10]
+agent b : single_integrator { start (8, 2); control |u| <= 1e308 }
+require up: always[5, 6] b.y >= 4 m
+"""
+    ranges = reach(loads(text))["b"]
+    assert ranges.state_lower[6, 1] == 4.0

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import click
@@ -94,3 +96,11 @@ def test_one_step_is_no_steps() -> None:
     agent = "agent r : double_integrator { start (0, 0); control |u| <= 1 }\n"
     summaries = [loads(f"horizon {n}\n{agent}require a: always r.x <= 9").summary() for n in (1, 2)]
     assert summaries == [f"1 agent, 1 requirement, {n} of 1 s" for n in ("1 step", "2 steps")]
+
+
+def test_the_package_runs_as_a_module() -> None:
+    """`python -m stlc`, for those whose path doesn't have the script."""
+    done = subprocess.run(
+        [sys.executable, "-m", "stlc", "--version"], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.startswith("stlc")
