@@ -139,7 +139,7 @@ def _crossings() -> Iterable[tuple[str, str, str, str]]:
 def test_rooms_import_what_the_table_allows() -> None:
     wrong = []
     for room, other, module, name in _crossings():
-        if room == "cli":
+        if room in ("cli", "__main__"):
             continue
         allowed = LEAVES if room in LEAVES else LEAVES | MAY[room]
         if other not in allowed:
