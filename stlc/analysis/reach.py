@@ -184,8 +184,8 @@ def tidy(values: Floats) -> Floats:
     A solver's presolve that takes a column for integer must find integer ends. Moves an end by
     far less than any solver's tolerance.
     """
-    near = np.round(values, 6)
     with np.errstate(over="ignore", invalid="ignore"):
+        near = np.round(values, 6)
         dust = np.abs(values - near) <= _DUST * np.maximum(1.0, np.abs(values))
     return np.where(dust, near, values)
 

@@ -173,4 +173,4 @@ agent b : single_integrator { start (8, 2); control |u| <= 1e308 }
 require up: always[5, 6] b.y >= 4 m
 """
     ranges = reach(loads(text))["b"]
-    assert ranges.state_lower[6, 1] == 4.0
+    assert (ranges.state_lower[6, 1], ranges.state_upper[6, 1]) == (0.0, 10.0)
