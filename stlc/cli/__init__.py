@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -21,7 +22,7 @@ _COMMANDS = {
     "verify": ("plans", "Judge a plan against its mission."),
     "plot": ("plans", "Draw a plan."),
     "report": ("report", "Show a plan in one HTML page: map in motion, requirements, signals."),
-    "export": ("exchange", "Write a plan as GeoJSON, MCAP or timed waypoints."),
+    "export": ("exchange", "Write a plan as GeoJSON, MCAP, a ROS bag or timed waypoints."),
     "map": ("exchange", "Turn a ROS map or a DXF drawing into obstacles."),
     "read-solution": ("plans", "Turn another solver's answer into a plan."),
     "explain": ("explain", "Name the requirements that conflict."),
@@ -100,6 +101,10 @@ def main() -> None:
 
         streams = claim_streams()
         heed_signals()
+        if "_STLC_COMPLETE" in os.environ:  # a shell asks what it can offer
+            from stlc.cli.shells import register
+
+            register()
     except KeyboardInterrupt:
         raise SystemExit(130) from None
     leave(streams.close(run_guarded(cli)))

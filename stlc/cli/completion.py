@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 import click
-from click.shell_completion import CompletionItem, get_completion_class
+from click.shell_completion import CompletionItem
 
 _HOW = {
     "bash": "source <(stlc completion bash)   # in ~/.bashrc",
@@ -26,11 +26,9 @@ def completion_command(shell: str) -> int:
     stlc completion fish > ~/.config/fish/completions/stlc.fish
     """
     from stlc.cli import cli
+    from stlc.cli.shells import script
 
-    kind = get_completion_class(shell)
-    assert kind is not None
-    script = kind(cli, {}, "stlc", "_STLC_COMPLETE")
-    click.echo(script.source_template % script.source_vars())
+    click.echo(script(cli, shell))
     click.echo(f"# {_HOW[shell]}")
     return 0
 
@@ -39,7 +37,7 @@ _Offer = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 
 
 def _offer(names: Callable[[], Iterable[str]]) -> _Offer:
-    """Those that begin with what has been typed; behind a comma or a colon, the next one."""
+    """Those that begin with what has been typed; behind a comma or an equals sign, the next one."""
 
     def offer(context: click.Context, parameter: click.Parameter, typed: str) -> list[Any]:
         at = max(typed.rfind(","), typed.rfind("=")) + 1
@@ -66,6 +64,13 @@ def _strategies() -> Iterable[str]:
     from stlc.solve.strategies import strategies_named
 
     return ["auto", *(s.name for s in strategies_named("auto"))]
+
+
+def offer_entries(context: click.Context, parameter: click.Parameter, typed: str) -> list[Any]:
+    """Solvers, each with an encoding behind a colon, with commas between: `highs:auto,scip`."""
+    at = max(typed.rfind(","), typed.rfind(":")) + 1
+    names = _encodings() if typed[at - 1 : at] == ":" else _backends()
+    return [CompletionItem(typed[:at] + name) for name in names if name.startswith(typed[at:])]
 
 
 offer_encodings = _offer(_encodings)

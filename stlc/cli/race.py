@@ -19,6 +19,7 @@ from stlc.cli.common import (
     plain,
     solver_options,
 )
+from stlc.cli.completion import offer_entries
 from stlc.cli.interrupt import interruptible
 from stlc.cli.progress import listener
 from stlc.errors import SolverError
@@ -49,6 +50,7 @@ class _Words:
 @click.command("race")
 @mission_options
 @click.option("--with", "entrants", default="highs:auto,scip:auto", show_default=True,
+              shell_complete=offer_entries,
               metavar="BACKEND:ENCODING,...", help="Who races.")  # fmt: skip
 @click.option("--cluster", metavar="ADDRESS", help="Run on a dask.distributed cluster.")
 @click.option("--time-limit", type=Amount(min=0), metavar="S", help="For each racer.")

@@ -13,32 +13,51 @@ from pathlib import Path
 import pytest
 from support.command import MISSION, command, inside, stlc
 
-from stlc.cli import _COMMANDS
+from stlc.cli import _COMMANDS, cli
 from stlc.cli.progress import EVERY, listener
+from stlc.cli.shells import completer
 from stlc.solve.events import ProgressEvent, SolutionEvent, StatusEvent
 
 WRONG = "agent r : double_integrator { start (0, 0) }\nrequire a: always r.x >= 3 dB\n"
 
 
-def offered(words: str, at: int, folder: Path) -> list[str]:
-    env = {"COMP_WORDS": words, "COMP_CWORD": str(at), "_STLC_COMPLETE": "bash_complete"}
-    done = stlc(folder=folder, env=env)
+def offered(line: str, folder: Path) -> list[str]:
+    """What bash is offered at the end of a line."""
+    done = stlc(folder=folder, env={"COMP_WORDS": line, "_STLC_COMPLETE": "bash_complete"})
     assert (done.returncode, done.stderr) == (0, "")
     return [line.split(",", 1)[1] for line in done.stdout.splitlines()]
 
 
 def test_commands_options_and_names_are_completed(tmp_path):
-    assert offered("stlc so", 1, tmp_path) == ["solve"]
-    assert "--time-limit" in offered("stlc solve --t", 2, tmp_path)
-    assert offered("stlc solve m.stl --backend hi", 4, tmp_path) == ["highs"]
-    assert offered("stlc solve m.stl --encoding stl=un", 4, tmp_path) == ["stl=unary"]
-    assert "milp" in offered("stlc solve m.stl --strategy m", 4, tmp_path)
-    assert offered("stlc completion z", 2, tmp_path) == ["zsh"]
-    assert offered("stlc solve m.stl --progress nd", 4, tmp_path) == ["ndjson"]
+    assert offered("stlc so", tmp_path) == ["solve"]
+    assert "--time-limit" in offered("stlc solve --t", tmp_path)
+    assert offered("stlc solve m.stl --backend hi", tmp_path) == ["highs"]
+    assert "milp" in offered("stlc solve m.stl --strategy m", tmp_path)
+    assert offered("stlc completion z", tmp_path) == ["zsh"]
+    assert offered("stlc solve m.stl --progress nd", tmp_path) == ["ndjson"]
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+@pytest.mark.parametrize(
+    ("line", "whole", "in_bash"),
+    [
+        ("stlc solve m.stl --encoding stl=un", "stl=unary", "unary"),
+        ("stlc solve m.stl --encoding=stl=un", "stl=unary", "unary"),
+        ("stlc solve m.stl --backend=hi", "highs", "highs"),
+        ("stlc race m.stl --with highs:auto,gur", "highs:auto,gurobi", "auto,gurobi"),
+        ("stlc race m.stl --with highs:big", "highs:bigm", "bigm"),
+    ],
+)
+def test_bash_ends_words_where_others_do_not(shell, line, whole, in_bash, monkeypatch):
+    words = line.split(" ")
+    monkeypatch.setenv("COMP_WORDS", line)
+    monkeypatch.setenv("COMP_CWORD", str(len(words) - 1) if shell == "zsh" else words[-1])
+    answer = completer(cli, shell).complete().replace("\n", ",").split(",", 1)[1]
+    assert answer.removesuffix(",_") == (in_bash if shell == "bash" else whole)
 
 
 def test_every_command_is_offered(tmp_path):
-    assert set(_COMMANDS) <= set(offered("stlc ", 1, tmp_path))
+    assert set(_COMMANDS) <= set(offered("stlc ", tmp_path))
 
 
 def test_a_shell_takes_the_script(tmp_path):
@@ -52,9 +71,9 @@ def test_a_shell_takes_the_script(tmp_path):
     (tmp_path / "bin" / "stlc").chmod(0o755)
     script = inside("completion", "bash", folder=tmp_path).stdout
     ask = (
-        "\nCOMP_WORDS=(stlc solve m); COMP_CWORD=2; _stlc_completion stlc m solve\n"
+        "\nCOMP_LINE='stlc solve m' COMP_POINT=12; _stlc_completion stlc m solve\n"
         'printf "%s\\n" "${COMPREPLY[@]}"\n'
-        "compopt() { :; }; COMP_WORDS=(stlc expl); COMP_CWORD=1; _stlc_completion stlc expl stlc\n"
+        "compopt() { :; }; COMP_LINE='stlc expl' COMP_POINT=9; _stlc_completion stlc expl stlc\n"
         'printf "%s\\n" "${COMPREPLY[@]}"\n'
     )
     env = {**os.environ, "PATH": f"{tmp_path / 'bin'}{os.pathsep}{os.environ['PATH']}"}
