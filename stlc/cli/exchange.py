@@ -14,7 +14,7 @@ from stlc.cli.lengths import metres, seconds
 @mission_options
 @click.argument("plan", type=click.Path(path_type=Path))
 @click.option("-o", "--output", required=True, type=click.Path(path_type=Path),
-              help="By its ending: .geojson, .mcap, or .csv with timed waypoints.")  # fmt: skip
+              help="By its ending: .geojson, .mcap, .rosbag, or .csv: waypoints.")  # fmt: skip
 @click.option("--every", callback=seconds, metavar="TIME",
               help="Between samples, such as '100 ms'; else a step.")  # fmt: skip
 def export_command(
@@ -27,7 +27,8 @@ def export_command(
 ) -> int:
     """Write PLAN for other programs: a map, a robotics viewer, a controller.
 
-    Places between the steps are on the agents' own motion. MCAP needs the package `mcap`.
+    Places between the steps are on the agents' own motion. MCAP needs the package `mcap`, a ROS
+    bag (which is a folder) `rosbags`.
     """
     from stlc.exports import export
     from stlc.plan import read_plan

@@ -1,4 +1,4 @@
-"""Plans for other programs: GeoJSON for maps, MCAP for robotics viewers, timed waypoints."""
+"""Plans for other programs: GeoJSON for maps, MCAP for viewers, ROS bags, timed waypoints."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from stlc.mission import Mission
     from stlc.plan import Plan
 
-FORMATS = (".geojson", ".mcap", ".csv")
+FORMATS = (".geojson", ".mcap", ".rosbag", ".csv")
 
 __all__ = ["FORMATS", "export"]
 
@@ -23,10 +23,12 @@ def export(
     """Write a plan by the ending of `path`; `every` [s] is the time between samples, else a step.
 
     Raises UsageError for another ending, a plan that doesn't fit the mission, agents without a
-    position, or where the `mcap` package is missing; OutputError when the file can't be written.
+    position, or where the `mcap` or `rosbags` package is missing; OutputError when the file can't
+    be written.
     """
     from stlc.exports.geojson import write_geojson
     from stlc.exports.mcap import write_mcap
+    from stlc.exports.rosbag import write_rosbag
     from stlc.exports.waypoints import write_waypoints
     from stlc.verify.subject import check_shape
 
@@ -35,5 +37,6 @@ def export(
         known = ", ".join(FORMATS)
         raise UsageError(f"cannot write {os.fspath(path)}: the name must end in one of {known}")
     check_shape(mission, plan)
-    writer = {".geojson": write_geojson, ".mcap": write_mcap, ".csv": write_waypoints}[kind]
-    writer(mission, plan, path, every)
+    writers = {".geojson": write_geojson, ".mcap": write_mcap, ".rosbag": write_rosbag,
+               ".csv": write_waypoints}  # fmt: skip
+    writers[kind](mission, plan, path, every)

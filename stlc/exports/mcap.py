@@ -16,14 +16,13 @@ import numpy as np
 
 from stlc.arrays import Floats
 from stlc.errors import UsageError
-from stlc.exports.track import Tracks, tracks
+from stlc.exports.track import FRAME, Tracks, nano, tracks
 from stlc.files import atomic_output
 from stlc.mission import Mission
 from stlc.places import Outline
 from stlc.plan import Plan
 from stlc.verify.shapes import Body, obstacle_body, region_body
 
-FRAME = "map"
 _COLOURS = {"region": (0.0, 0.62, 0.45, 1.0), "obstacle": (0.3, 0.3, 0.3, 1.0),
             "workspace": (0.0, 0.0, 0.0, 1.0)}  # fmt: skip
 _LINE_LOOP = 1
@@ -56,12 +55,8 @@ def write_mcap(
         writer.finish()
 
 
-def _nano(seconds: float) -> int:
-    return round(seconds * 1e9)
-
-
 def _stamp(seconds: float) -> dict[str, int]:
-    whole = _nano(seconds)
+    whole = nano(seconds)
     return {"sec": whole // 10**9, "nsec": whole % 10**9}
 
 
@@ -73,21 +68,19 @@ def _point(place: Floats) -> dict[str, float]:
 def _poses(found: Tracks, step: float) -> Iterator[Message]:
     """Places, heading the way that the agent moves; one at rest keeps its heading."""
     for name, places in found.places.items():
-        heading = 0.0
-        for time, place, speed in zip(found.times, places, found.speeds(name, step), strict=True):
-            if math.hypot(*speed[:2]) > 1e-6:
-                heading = math.atan2(speed[1], speed[0])
+        headings = found.headings(name, step)
+        for time, place, heading in zip(found.times, places, headings.tolist(), strict=True):
             turn = {"x": 0.0, "y": 0.0, "z": math.sin(heading / 2), "w": math.cos(heading / 2)}
             pose = {"position": _point(place), "orientation": turn}
             content = {"timestamp": _stamp(time), "frame_id": FRAME, "pose": pose}
-            yield _nano(time), f"/agents/{name}/pose", "foxglove.PoseInFrame", content
+            yield nano(time), f"/agents/{name}/pose", "foxglove.PoseInFrame", content
 
 
 def _inputs(plan: Plan) -> Iterator[Message]:
     for name, run in plan.runs.items():
         for time, values in zip(plan.times, run.inputs, strict=False):
             content = dict(zip(run.input_names, map(float, values), strict=True))
-            yield _nano(time), f"/agents/{name}/input", "stlc.Input", content
+            yield nano(time), f"/agents/{name}/input", "stlc.Input", content
 
 
 def _links(plan: Plan) -> Iterator[Message]:
@@ -96,7 +89,7 @@ def _links(plan: Plan) -> Iterator[Message]:
         for t, time in enumerate(plan.times):
             values = {k: float(v[t]) for k, v in series.values.items() if np.isfinite(v[t])}
             topic = f"/links/{series.channel}/{series.sender}/{series.receiver}"
-            yield _nano(time), topic, "stlc.Link", values
+            yield nano(time), topic, "stlc.Link", values
 
 
 def _scene(mission: Mission, plan: Plan) -> Iterator[Message]:
@@ -125,7 +118,7 @@ def _scene(mission: Mission, plan: Plan) -> Iterator[Message]:
 
 
 def _update(time: float, entities: list[dict[str, Any]]) -> Message:
-    return _nano(time), "/scene", "foxglove.SceneUpdate", {"deletions": [], "entities": entities}
+    return nano(time), "/scene", "foxglove.SceneUpdate", {"deletions": [], "entities": entities}
 
 
 def _entity(

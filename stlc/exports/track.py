@@ -13,7 +13,13 @@ from stlc.mission import Mission
 from stlc.plan import Plan
 from stlc.verify.paths import Path, placed, state_paths
 
+FRAME = "map"
+"""What places are said to be in, where a format asks for a name."""
+
 MOST_SAMPLES = 1_000_000  # of one agent: what a reader of any of the formats still opens
+
+_AT_REST = 1e-6
+"""Metres a second below which a direction would be rounding."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,6 +37,18 @@ class Tracks:
         row = np.clip(np.floor(along).astype(np.intp), 0, len(path.c0) - path.pieces - 1)
         s = (along - row)[:, None]
         return np.asarray((path.c1[row] + 2.0 * s * path.c2[row]) * path.pieces / step)
+
+    def headings(self, agent: str, step: float) -> Floats:
+        """Which way an agent moves (K,) [rad]; one at rest keeps its heading, 0 at first."""
+        vx, vy = self.speeds(agent, step)[:, :2].T
+        moves = np.hypot(vx, vy) > _AT_REST
+        last = np.maximum.accumulate(np.where(moves, np.arange(len(moves)), -1))
+        return np.where(last < 0, 0.0, np.arctan2(vy, vx)[last])
+
+
+def nano(seconds: float) -> int:
+    """Nanoseconds, as recordings count."""
+    return round(seconds * 1e9)
 
 
 def tracks(mission: Mission, plan: Plan, every: float | None) -> Tracks:

@@ -10,11 +10,14 @@ import numpy as np
 import pytest
 import shapely
 from mcap.reader import make_reader
+from rosbags.highlevel import AnyReader
 from support.command import MISSION, inside
 
 from stlc.api import loads
-from stlc.errors import UsageError
+from stlc.errors import OutputError, UsageError
 from stlc.exports import export
+from stlc.exports.rosbag import PATH, POSE, TWIST
+from stlc.exports.track import tracks
 from stlc.plan import make_plan
 from stlc.verify import verify
 
@@ -124,8 +127,49 @@ def test_mcap_holds_poses_links_inputs_and_the_scene(both, tmp_path):
     assert min(p["x"] for p in corners) == 8
 
 
+def test_a_bag_holds_paths_and_set_points(both, tmp_path):
+    export(*both, tmp_path / "p.rosbag", 0.25)
+    found: dict[str, list[tuple[float, object]]] = {}
+    with AnyReader([tmp_path / "p.rosbag"]) as reader:
+        for link, time, data in reader.messages():
+            found.setdefault(link.topic, []).append(
+                (time / 1e9, reader.deserialize(data, link.msgtype))
+            )
+        kinds = {link.topic: link.msgtype for link in reader.connections}
+        (kept,) = reader.topics["/agents/r/path"].connections[0].ext.offered_qos_profiles
+    assert kept.durability.name == "TRANSIENT_LOCAL"
+    assert kinds == {
+        f"/agents/{a}/{topic}": kind
+        for a in "rd"
+        for topic, kind in [("path", PATH), ("pose", POSE), ("velocity", TWIST)]
+    }
+    ((first, path),) = found["/agents/r/path"]
+    assert (first, path.header.frame_id, len(path.poses)) == (0, "map", 9)
+    assert [t for t, _ in found["/agents/r/pose"]] == pytest.approx(np.arange(9) / 4)
+    for (time, pose), due in zip(found["/agents/r/pose"], path.poses, strict=True):
+        assert due.header.stamp.sec + due.header.stamp.nanosec / 1e9 == pytest.approx(time)
+        assert pose.pose.position.x == due.pose.position.x == pytest.approx(1 + time**2 / 2)
+    assert [m.twist.linear.x for _, m in found["/agents/r/velocity"]] == pytest.approx(
+        np.arange(9) / 4
+    )
+    assert found["/agents/d/pose"][-1][1].pose.position.z == pytest.approx(5)
+    with pytest.raises(UsageError, match="is there already"):
+        export(*both, tmp_path / "p.rosbag")
+    with pytest.raises(OutputError, match="cannot write"):
+        export(*both, tmp_path / "nowhere" / "p.rosbag")
+    assert [p.name for p in tmp_path.iterdir()] == ["p.rosbag"]
+
+
+def test_headings_go_with_the_motion_and_stay_at_rest(tmp_path):
+    there = loads(MISSION)
+    states = np.array([[1, 1, 0, 0], [1, 1, 0, 1], [1, 2, 0, 0], [1, 2, 0, 0], [1, 2, 0, 0]], float)
+    plan = make_plan(there, {"a": states}, {"a": np.array([[0, 1], [0, -1], [0, 0], [0, 0.0]])})
+    headings = tracks(there, plan, 0.5).headings("a", plan.step)
+    np.testing.assert_allclose(headings, [0] + [np.pi / 2] * (len(headings) - 1))
+
+
 def test_what_cannot_be_exported_is_said(both, tmp_path, monkeypatch):
-    with pytest.raises(UsageError, match=r"\.geojson, \.mcap, \.csv"):
+    with pytest.raises(UsageError, match=r"\.geojson, \.mcap, \.rosbag, \.csv"):
         export(*both, tmp_path / "p.kml")
     with pytest.raises(UsageError, match="longer steps"):
         export(*both, tmp_path / "p.csv", 1e-9)
@@ -139,13 +183,15 @@ def test_what_cannot_be_exported_is_said(both, tmp_path, monkeypatch):
     real = builtins.__import__
 
     def without(name, *rest, **more):
-        if name.startswith("mcap"):
+        if name.startswith(("mcap", "rosbags")):
             raise ImportError(name)
         return real(name, *rest, **more)
 
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(UsageError, match=r"pip install 'stlc\[mcap\]'"):
         export(*both, tmp_path / "p.mcap")
+    with pytest.raises(UsageError, match=r"pip install 'stlc\[rosbag\]'"):
+        export(*both, tmp_path / "p.rosbag")
     assert not list(tmp_path.iterdir())
 
 
