@@ -18,13 +18,12 @@ from numpy.typing import NDArray
 
 from stlc.errors import StlcError
 from stlc.ir.nodes import Link, Quantity, Relation
+from stlc.link_places import height_of, link_ends, receiver, true_links, tube_radius
 from stlc.mission import Bound, Channel, Mission, TermKind
 from stlc.radio.averages import average_bounds
 from stlc.radio.costs import CLAMP, CostName, cost_interval, link_cost
 from stlc.radio.gp import ChannelModel
 from stlc.radio.link_budget import LinkBudget
-from stlc.radio.link_ends import LinkEnds
-from stlc.radio.partition import Partition
 from stlc.radio.pathloss import link_distance
 from stlc.radio.predicates import LinkPredicate, quantity_value, threshold_table
 from stlc.radio.predicates import Quantity as RadioQuantity
@@ -110,8 +109,9 @@ class ChannelTables:
             return pair
         if not all(name in self.mission.agents for name in pair):
             return pair
-        flying = tuple(_height(self.mission, name) is None for name in pair)
-        return ("agents", receiver(channel.model, pair), flying)
+        flying = tuple(height_of(self.mission, name) is None for name in pair)
+        tubes = tuple(tube_radius(self.mission, name) for name in pair)
+        return ("agents", receiver(channel.model, pair), flying, tubes)
 
     def _cost(self, channel: Channel, pair: Pair, bound: Bound) -> Array:
         if channel.has_table(pair) or channel.model is None:
@@ -120,7 +120,7 @@ class ChannelTables:
         name = CostName(channel.cost)
         if math.isnan(budget.noise_floor) and name not in _FLOORLESS:
             raise StlcError(f"channel {channel.name}: the cost {name.value} needs a noise floor")
-        ends = link_ends(self.mission, channel, pair)
+        ends = link_ends(self.mission, channel, pair, bound is Bound.WORST)
         values = cost_table(model, ends, name, budget, _BOUNDS[bound]).matrix()
         return _shaped(self.mission, values, pair)
 
@@ -133,7 +133,7 @@ class ChannelTables:
                 return Thresholds(low - link.threshold, high - link.threshold)
             return Thresholds(link.threshold - high, link.threshold - low)
         model, budget = needed(channel)
-        ends = link_ends(self.mission, channel, pair)
+        ends = link_ends(self.mission, channel, pair, bound is Bound.WORST)
         table = threshold_table(
             model, ends, predicate(link, budget), budget, _BOUNDS[bound], beyond
         )
@@ -146,7 +146,7 @@ class ChannelTables:
             table = self.cost(channel.name, pair, bound)
             return table, table
         model, budget = needed(channel)
-        ends = link_ends(self.mission, channel, pair)
+        ends = link_ends(self.mission, channel, pair, True)
         found = bound_ends(model, ends, 0.0)
         least = _least_cost(CostName(channel.cost), found.mean, found.sigma, budget)
         most = cost_interval(CostName(channel.cost), found.mean, found.sigma, budget).values
@@ -178,49 +178,6 @@ def predicate(link: Link, budget: LinkBudget) -> LinkPredicate:
         case _:
             pass
     return LinkPredicate(RadioQuantity.CHANCE, level, at_least, link.probability)
-
-
-def link_ends(mission: Mission, channel: Channel, pair: Pair) -> LinkEnds:
-    """Both ends of a pair for the radio, the moving one first (channels are symmetric)."""
-    first, second = pair[::-1] if pair[0] in mission.stations else pair
-    station = mission.stations.get(second)
-    cells = channel.partition
-    if first in mission.stations:  # two stations: a table with one entry
-        cells = _speck(mission.stations[first].position)
-    point = None if station is None else np.asarray(station.position, dtype=np.float64)
-    model = channel.model
-    heights = (_height(mission, first), _height(mission, second))
-    use = heights if model is not None and dimensions(mission, model, pair) == 3 else None
-    return LinkEnds(cells, point, use, None if model is None else receiver(model, pair))
-
-
-def _speck(position: Array) -> Partition:
-    x, y = (float(c) for c in position)
-    return Partition(np.array([[x - 1e-9, x + 1e-9, y - 1e-9, y + 1e-9]]))
-
-
-def dimensions(mission: Mission, model: ChannelModel, pair: Pair) -> int:
-    """3 when the channel was measured, a station stands, or an end of the pair may be, at a
-    height; else 2."""
-    if model.posterior is not None:
-        return int(model.posterior.centres.shape[1]) // 2
-    if any(_height(mission, name) is None for name in pair):
-        return 3
-    return 3 if any(s.height for s in mission.stations.values()) else 2
-
-
-def _height(mission: Mission, name: str) -> float | None:
-    """Where it stands or drives [m]; None for an agent whose height is a signal."""
-    station = mission.stations.get(name)
-    if station is not None:
-        return station.height
-    return 0.0 if mission.agents[name].dynamics.altitude is None else None
-
-
-def receiver(model: ChannelModel, pair: Pair) -> str | None:
-    """The end whose calibration offset applies: the receiver, or else the sender."""
-    known = dict(model.offsets)
-    return next((name for name in pair[::-1] if name in known), None)
 
 
 def _shaped(mission: Mission, values: Array, pair: Pair) -> Array:
@@ -279,12 +236,6 @@ def true_values(mission: Mission, channel: Channel, pair: Pair, a: Array, b: Arr
     links = true_links(mission, model, pair, a, b)
     mean, variance = model.predict(links, True, receiver(model, pair))
     return LinkValues(mean, np.sqrt(variance), link_distance(links))
-
-
-def true_links(mission: Mission, model: ChannelModel, pair: Pair, a: Array, b: Array) -> Array:
-    """The links (K, 4), or (K, 6) where heights count, between places a and b (K, 3) [m]."""
-    axes = dimensions(mission, model, pair)
-    return np.hstack([np.asarray(end, dtype=np.float64)[:, :axes] for end in (a, b)])
 
 
 def true_robustness(channel: Channel, link: Link, values: LinkValues) -> Array:

@@ -164,6 +164,14 @@ EXAMPLES: Final[dict[str, tuple[str, str]]] = {
         "agent d : drone { start (1, 1, 5); control |u| <= 1 }\n"
         "require a: eventually[0, 5] distance(d, (3, 3, 5)) <= 4",
     ),
+    "E0419": (
+        "agent c : unicycle { start (1, 1); speed <= 1 }",
+        "agent c : unicycle { start (1, 1); speed <= 1; turn_rate <= 2 }",
+    ),
+    "E0420": (
+        "agent c : unicycle { start (1, 1); speed <= 1; turn_rate <= 2; period 0.3 s }",
+        "agent c : unicycle { start (1, 1); speed <= 1; turn_rate <= 2; period 0.25 s }",
+    ),
     "E0501": (
         "step 0.5 s\nrequire a: eventually[0, 1.7 s] r1 in dock",
         "step 0.5 s\nrequire a: eventually[0, 2 s] r1 in dock",

@@ -17,6 +17,7 @@ from stlc.charges import Charge
 from stlc.ir.requirement import Requirement
 from stlc.places import Obstacle, Polytope, Region, Wall
 from stlc.preferences import Preference
+from stlc.robots import Robot, RobotKind
 from stlc.sense import Sense
 from stlc.source import Source, Span
 from stlc.tubes import Tube
@@ -51,6 +52,7 @@ class Dynamics:
     Between samples the state follows `flow`, whose zero-order hold A, B and drift are; with none,
     it moves on a straight line if `straight`, and else nothing is known of it.
     `outputs` name further linear signals: (c (n,), d (m,), constant, unit).
+    `robot` is what drives behind the point that moves like this (`stlc/robots.py`).
     """
 
     name: str
@@ -68,6 +70,7 @@ class Dynamics:
     outputs: Mapping[str, tuple[Array, Array, float, str]] = field(default_factory=dict)
     span: Span | None = None
     altitude: Array | None = None
+    robot: RobotKind | None = None
 
     @property
     def space(self) -> Array | None:
@@ -152,6 +155,7 @@ class Agent:
     start_noise: Array | None = None
     input_noise: Array | None = None
     tube: Tube | None = None  # of one that is disturbed
+    robot: Robot | None = None  # what drives behind the plan of its look-ahead point
     span: Span | None = None
     starts: tuple[Array, Array] | None = None
 

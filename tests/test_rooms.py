@@ -123,7 +123,7 @@ def _room(module: str) -> str:
     parts = {
         "certificate": "plan", "plan_json": "plan", "plan_reader": "plan", "plan_place": "plan",
         "places": "mission", "preferences": "mission",
-        "charges": "mission", "tubes": "mission",
+        "charges": "mission", "link_places": "channels", "tubes": "mission", "robots": "mission",
     }  # fmt: skip
     return parts.get(room, room)  # rooms in several files
 

@@ -6,6 +6,7 @@ Each may be taken out of a question to see whether a conflict needs it. Taken ou
     speed      none                             turn rate   none
     state      none                             start       anywhere in the workspace
     partition  links hold wherever they do at some point of a cell      disturbance  none
+    tube       a robot is where its plan is, and goes anywhere          steering     on the spot
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import numpy as np
 from stlc.explain.places import place_of, places_of
 from stlc.mission import Agent, Mission
 from stlc.places import Polytope
+from stlc.robots import Robot, RobotKind
 from stlc.source import Span
 
 WIDER = 100.0
@@ -30,6 +32,8 @@ class Kind(Enum):
 
     PARTITION = "partition"
     DISTURBANCE = "disturbance"
+    TUBE = "tube"
+    STEERING = "steering"
     TURN_RATE = "turn_rate"
     WORKSPACE = "workspace"
     STATE = "state"
@@ -81,6 +85,11 @@ def _of(mission: Mission, agent: Agent) -> Iterator[Given]:
     if agent.tube is not None:
         place = place_of(mission, agent.name, ("disturbance",))
         yield Given(Kind.DISTURBANCE, agent.name, span=place)
+    if agent.robot is not None:
+        yield Given(Kind.TUBE, agent.name, span=place_of(mission, agent.name, ("lookahead",)))
+        if agent.robot.kind is RobotKind.CAR:
+            place = place_of(mission, agent.name, ("steering",))
+            yield Given(Kind.STEERING, agent.name, span=place)
     if agent.turn_rate is not None:
         yield Given(Kind.TURN_RATE, agent.name, span=agent.turn_rate.span)
     for k, name in enumerate(model.states):
@@ -121,6 +130,10 @@ def _freed(agent: Agent, given: Given, space: Polytope | None) -> Agent:
             return replace(agent, turn_rate=None)
         case Kind.DISTURBANCE:
             return replace(agent, tube=None)
+        case Kind.TUBE:
+            return replace(agent, robot=None)
+        case Kind.STEERING:
+            return replace(agent, robot=_unsteered(agent.robot))
         case Kind.STATE:
             return _unbounded(agent, (given.index,))
         case Kind.SPEED:
@@ -133,6 +146,14 @@ def _freed(agent: Agent, given: Given, space: Polytope | None) -> Agent:
             return replace(agent, starts=_anywhere(agent, space))
         case _:
             return agent
+
+
+def _unsteered(robot: Robot | None) -> Robot | None:
+    """A unicycle as fast as a car, in the same tube."""
+    if robot is None:
+        return None
+    turning = robot.speed / robot.lookahead
+    return replace(robot, kind=RobotKind.UNICYCLE, turning=turning, directions=0)
 
 
 def _unbounded(agent: Agent, states: tuple[int, ...]) -> Agent:

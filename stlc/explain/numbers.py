@@ -231,7 +231,9 @@ def _start(file: Source, mission: Mission, item: ast.Property, owner: str) -> It
                 yield _called(n, f"start {state} of {owner}")
 
 
-_KINDS = (Kind.SPEED, Kind.CONTROL, Kind.STATE, Kind.START, Kind.DISTURBANCE)
+_KINDS = (
+    Kind.SPEED, Kind.CONTROL, Kind.STATE, Kind.START, Kind.DISTURBANCE, Kind.TUBE, Kind.STEERING,
+)  # fmt: skip
 
 
 def properties(file: Source) -> Iterator[ast.Property]:

@@ -18,8 +18,8 @@ from stlc.verify.shapes import obstacle_body, region_body
 def write_geojson(
     mission: Mission, plan: Plan, path: str | os.PathLike[str], every: float | None
 ) -> None:
-    """A feature for each agent (a line, with its times), station, region, obstacle (where it is at
-    the start) and the workspace."""
+    """A feature for each agent (a line, with its times and a robot's headings), station, region,
+    obstacle (where it is at the start) and the workspace."""
     found = tracks(mission, plan, every)
     features = [*_agents(found), *_places(mission), *_stations(mission)]
     data = {"type": "FeatureCollection", "units": "m", "features": features}
@@ -34,7 +34,9 @@ def _feature(name: str, kind: str, geometry: dict[str, Any], **more: Any) -> dic
 def _agents(found: Tracks) -> Iterator[dict[str, Any]]:
     for name, places in found.places.items():
         line = {"type": "LineString", "coordinates": places.tolist()}
-        yield _feature(name, "agent", line, times=found.times.tolist())
+        known = found.own.get(name)
+        headings = {} if known is None else {"headings": known.tolist()}
+        yield _feature(name, "agent", line, times=found.times.tolist(), **headings)
 
 
 def _stations(mission: Mission) -> Iterator[dict[str, Any]]:

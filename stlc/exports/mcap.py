@@ -66,7 +66,8 @@ def _point(place: Floats) -> dict[str, float]:
 
 
 def _poses(found: Tracks, step: float) -> Iterator[Message]:
-    """Places, heading the way that the agent moves; one at rest keeps its heading."""
+    """Places, heading the way that the agent moves; one at rest keeps its heading, a robot has its
+    own."""
     for name, places in found.places.items():
         headings = found.headings(name, step)
         for time, place, heading in zip(found.times, places, headings.tolist(), strict=True):

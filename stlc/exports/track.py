@@ -11,7 +11,8 @@ from stlc.arrays import Floats
 from stlc.errors import UsageError
 from stlc.mission import Mission
 from stlc.plan import Plan
-from stlc.verify.paths import Path, placed, state_paths
+from stlc.verify.paths import Path
+from stlc.verify.robots import drives, true_paths
 
 FRAME = "map"
 """What places are said to be in, where a format asks for a name."""
@@ -24,11 +25,15 @@ _AT_REST = 1e-6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tracks:
-    """`times` (K,) [s], the last step among them, and places (K, 2) or (K, 3) [m] by agent."""
+    """`times` (K,) [s], the last step among them, and places (K, 2) or (K, 3) [m] by agent.
+
+    Those of robots are where they drive, `own` their headings (K,) [rad].
+    """
 
     times: Floats
     places: Mapping[str, Floats]
     paths: Mapping[str, Path]
+    own: Mapping[str, Floats]
 
     def speeds(self, agent: str, step: float) -> Floats:
         """Velocities (K, 2) or (K, 3) [m/s]."""
@@ -39,7 +44,10 @@ class Tracks:
         return np.asarray((path.c1[row] + 2.0 * s * path.c2[row]) * path.pieces / step)
 
     def headings(self, agent: str, step: float) -> Floats:
-        """Which way an agent moves (K,) [rad]; one at rest keeps its heading, 0 at first."""
+        """Which way an agent moves (K,) [rad]; one at rest keeps its heading, 0 at first. A robot
+        has its own."""
+        if agent in self.own:
+            return self.own[agent]
         vx, vy = self.speeds(agent, step)[:, :2].T
         moves = np.hypot(vx, vy) > _AT_REST
         last = np.maximum.accumulate(np.where(moves, np.arange(len(moves)), -1))
@@ -53,7 +61,7 @@ def nano(seconds: float) -> int:
 
 def tracks(mission: Mission, plan: Plan, every: float | None) -> Tracks:
     """Of all agents that are somewhere. UsageError where there is none, or far too many samples."""
-    motion = placed(mission, state_paths(mission, plan.runs))
+    motion = true_paths(mission, plan)
     agents = [name for name in mission.agents if name in motion]
     if not agents:
         raise UsageError("no agent has a position: there is nothing to export")
@@ -63,4 +71,6 @@ def tracks(mission: Mission, plan: Plan, every: float | None) -> Tracks:
     times = np.arange(0.0, last - 1e-9 * gap, gap)
     times = np.append(times, last)
     places = {name: motion[name].at(times / plan.step) for name in agents}
-    return Tracks(times, places, {name: motion[name] for name in agents})
+    driven = drives(mission, plan.runs, plan.executed)
+    own = {name: d.heading_at(times / plan.step) for name, d in driven.items()}
+    return Tracks(times, places, {name: motion[name] for name in agents}, own)

@@ -11,8 +11,9 @@ _MATRICES = ("A", "B", "c")
 _POINTS = ("start", "effort_state", "effort_input", "start_noise", "control_noise",
            "disturbance")  # fmt: skip
 _NAMES = ("states", "inputs", "state_units", "input_units", "position", "velocity")
-_PLAIN = ("mass", "dimensions", "height", "length", "fading", "shadowing", "noise_floor",
-          "modulation", "packet", "cost", "bound", "bandwidth", "noise_figure")  # fmt: skip
+_PLAIN = ("heading", "lookahead", "wheelbase", "directions", "period", "mass", "dimensions",
+          "height", "length", "fading", "shadowing", "noise_floor", "modulation", "packet", "cost",
+          "bound", "bandwidth", "noise_figure")  # fmt: skip
 
 
 def block(given: Iterable[str], named: Mapping[str, Any]) -> str:

@@ -12,6 +12,8 @@ from stlc.lsp.words import SIGNALS, STATEMENTS, WORDS
 from stlc.sema.agents import PROPERTIES as OF_AGENTS
 from stlc.sema.channels import PROPERTIES as OF_CHANNELS
 from stlc.sema.dynamics import STRUCTURE as OF_DYNAMICS
+from stlc.sema.integrators import KINDS, ROBOTS
+from stlc.sema.robots import PROPERTIES as OF_ROBOTS
 from stlc.syntax import ast
 
 
@@ -30,7 +32,6 @@ _KINDS: tuple[tuple[type[ast.Statement], str], ...] = (
     (ast.DynamicsDecl, "dynamics"),
     (ast.Param, "value"), (ast.Let, "function"), (ast.Require, "value"), (ast.Prefer, "value"),
 )  # fmt: skip
-_BUILT_IN = ("double_integrator", "single_integrator")
 
 
 def complete(document: Document, offset: int) -> list[Offer]:
@@ -49,7 +50,7 @@ def complete(document: Document, offset: int) -> list[Offer]:
         return [Offer(w, "keyword", text) for w, text in STATEMENTS.items()]
     if re.match(r"\s*(?:agent\s+\S+\s*:|dynamics\s+\w+\s*=)\s*\w*$", line):
         named = [o for o in _names(document) if o.kind == "dynamics"]
-        return [*named, *(Offer(w, "dynamics", WORDS[w]) for w in _BUILT_IN)]
+        return [*named, *(Offer(w, "dynamics", WORDS[w]) for w in KINDS)]
     return [*_names(document), *(Offer(w, _kind(t), t) for w, t in WORDS.items())]
 
 
@@ -108,4 +109,15 @@ def _properties(document: Document, block: str, before: str) -> Iterable[str]:
         for agent in agents_named(document.mission, named[1])[:1]:
             own = [*agent.dynamics.states, *agent.dynamics.inputs]
     structure = tuple(OF_DYNAMICS) if block == "dynamics" else ()
-    return dict.fromkeys([*structure, *OF_AGENTS, *own])
+    robot = OF_ROBOTS if _is_robot(document, before) else ()
+    return dict.fromkeys([*structure, *OF_AGENTS, *robot, *own])
+
+
+def _is_robot(document: Document, before: str) -> bool:
+    """Whether the block that is open at the end of a text is of a unicycle or a car."""
+    head = re.search(r"[:=]\s*([^\W\d]\w*)\s*\{[^{}]*$", before)
+    kind = head[1] if head else ""
+    declared = document.index.declarations.get(kind)
+    if isinstance(declared, ast.DynamicsDecl):
+        kind = "" if declared.kind is None else declared.kind.text
+    return kind in ROBOTS

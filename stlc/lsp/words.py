@@ -75,6 +75,8 @@ WORDS: Mapping[str, str] = {
     "inflate": "grown all around: `inflate 0.3 m`",
     "double_integrator": "states px py vx vy, inputs ux uy: accelerations",
     "single_integrator": "states px py, inputs ux uy: velocities",
+    "unicycle": "a robot that turns on the spot: `speed <= 1 m/s; turn_rate <= 2 rad/s`",
+    "car": "a robot that steers: `speed <= 1 m/s; wheelbase 0.3 m; steering <= 35 deg`",
 }  # fmt: skip
 
 SIGNALS: Mapping[str, str] = {

@@ -10,6 +10,7 @@ from stlc.errors import InfeasibleError
 from stlc.milp.context import Context
 from stlc.milp.model import Origin
 from stlc.milp.polygons import norm_faces
+from stlc.milp.steering import add_steering
 from stlc.milp.turnrate import add_turn_rate
 from stlc.milp.workspace import add_workspace
 from stlc.mission import Agent, NormBound
@@ -29,6 +30,7 @@ def add_agents(ctx: Context) -> None:
             _add_polygon(ctx, agent, bound, ctx.inputs[name], u_off)
         add_workspace(ctx, agent)
         add_turn_rate(ctx, agent)
+        add_steering(ctx, agent)
 
 
 def _add_columns(ctx: Context, agent: Agent) -> None:
@@ -65,7 +67,7 @@ def _within(
         return low, high
     narrow = np.maximum(low, least + room), np.minimum(high, most - room)
     if (narrow[0] > narrow[1]).any():
-        raise InfeasibleError("the bounds of a disturbed agent are narrower than its tube")
+        raise InfeasibleError("the bounds of an agent are narrower than its tube")
     return narrow
 
 

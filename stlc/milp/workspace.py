@@ -4,7 +4,8 @@
     normals @ (C_kj (x(t), u(t), 1)) <= offsets       t = 0..T-1, if the workspace is `swept`
 
 C_kj, the Bezier points of part k of a step (`stlc/bezier.py`), hold the curve in their convex
-hull, so the workspace holds at all times. Rows that the ranges imply are left out.
+hull, so the workspace holds at all times. Tubes take their room off every offset; a robot goes
+straight, so that its samples say it all. Rows that the ranges imply are left out.
 """
 
 from __future__ import annotations
@@ -46,6 +47,8 @@ def _at_samples(ctx: Context, agent: Agent, workspace: Polytope, position: Float
         most = np.maximum(low * normal, high * normal).sum(axis=1)
         row = normal @ position
         room = np.zeros(len(x)) if found is None else found[0] @ np.abs(row)
+        if agent.robot is not None:
+            room[:] = _disc(agent, normal)
         steps = np.flatnonzero(most > offset - room + 1e-9)
         if len(steps):
             used = np.flatnonzero(row)
@@ -53,6 +56,12 @@ def _at_samples(ctx: Context, agent: Agent, workspace: Polytope, position: Float
                 f"workspace_{agent.name}", x[np.ix_(steps, used)], row[used], -np.inf,
                 offset - room[steps],
             )  # fmt: skip
+
+
+def _disc(agent: Agent, normal: Floats) -> float:
+    """What a face leaves of its room for a robot that is anywhere in its disc [m]."""
+    assert agent.robot is not None
+    return agent.robot.radius * float(np.hypot(*normal))
 
 
 def _between(agent: Agent, position: Floats, step: float) -> Iterator[Floats]:

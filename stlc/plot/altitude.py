@@ -11,7 +11,7 @@ from stlc.mission import Agent, Mission
 from stlc.plan import Plan
 from stlc.plot.clock import Clock
 from stlc.plot.style import BODY, REGION, SMALL, Look
-from stlc.verify.paths import paths
+from stlc.verify.robots import true_paths
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,7 +28,7 @@ def draw_altitudes(
     axes: Axes, mission: Mission, plan: Plan, clock: Clock, look: Mapping[str, Look]
 ) -> None:
     """The true height of each agent that flies over time, above bands of the places."""
-    motion = paths(mission, dict(plan.runs))
+    motion = true_paths(mission, plan)
     _bands(axes, mission)
     steps = np.linspace(0.0, mission.horizon, mission.horizon * FINE + 1)
     for agent in flying(mission):

@@ -18,7 +18,8 @@ from stlc.plot.figure import judged
 from stlc.plot.quality import Quality, link_qualities
 from stlc.plot.style import BODY, BUFFER, RC, SMALL, Look, looks
 from stlc.plot.trajectory import aspect_of, draw_surroundings, limit
-from stlc.verify.paths import Path, paths
+from stlc.verify.paths import Path
+from stlc.verify.robots import true_paths
 from stlc.verify.shapes import Body, obstacle_body
 
 if TYPE_CHECKING:
@@ -89,7 +90,7 @@ def _scene(mission: Mission, plan: Plan) -> tuple[Figure, _Scene]:
     figure = Figure(figsize=(WIDTH, WIDTH / aspect + 0.7), layout="constrained", dpi=DPI)
     FigureCanvasAgg(figure)
     axes = figure.subplots()
-    motion = {name: path.plane for name, path in paths(mission, dict(plan.runs)).items()}
+    motion = {name: path.plane for name, path in true_paths(mission, plan).items()}
     moving = [o for o in mission.obstacles.values() if len(o.frames) > 1]
     labels = draw_surroundings(axes, mission, [o.name for o in moving])
     steps = np.linspace(0.0, mission.horizon, 24 * mission.horizon + 1)

@@ -13,7 +13,8 @@ from stlc.places import Obstacle, Polytope, Wall
 from stlc.plan import Plan
 from stlc.plot.labels import Labels
 from stlc.plot.style import BODY, BUFFER, QUIET, REGION, SMALL, Look
-from stlc.verify.paths import Path, paths
+from stlc.verify.paths import Path
+from stlc.verify.robots import true_paths
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,10 +28,11 @@ MOST_FRAMES = 6
 
 def draw_map(axes: Axes, mission: Mission, plan: Plan, look: Mapping[str, Look]) -> Labels:
     """Everything that has a place; returns the labels, to be placed when the layout is final."""
-    motion = paths(mission, dict(plan.runs))
+    motion = true_paths(mission, plan)
     labels = draw_surroundings(axes, mission)
     for name in mission.agents:
         if name in motion:
+            _tube(axes, mission, plan, name, look[name])
             curve = _agent(axes, motion[name].plane, mission.horizon, look[name])
             labels.avoid.append(curve)
             labels.marks += [curve[0], curve[-1]]
@@ -87,6 +89,19 @@ def _wall(axes: Axes, wall: Wall) -> None:
         axes.plot(*np.array(wall.line).T, color=QUIET, linewidth=2.4, zorder=2)
     if wall.pieces:
         _fill(axes, wall.pieces, facecolor="none", edgecolor=QUIET, linewidth=1.6, zorder=2)
+
+
+def _tube(axes: Axes, mission: Mission, plan: Plan, name: str, look: Look) -> None:
+    """The tube of a robot around the plan of its look-ahead point, lightly; nothing of others."""
+    import shapely
+
+    robot, places = mission.agents[name].robot, run_path(mission, plan, name)
+    if robot is None or places is None:
+        return
+    tube = shapely.LineString(places if len(places) > 1 else np.tile(places, (2, 1)))
+    style: dict[str, Any] = {"facecolor": look.colour, "alpha": 0.12, "linewidth": 0.0}
+    area = shapely.get_coordinates(tube.buffer(robot.radius).exterior)
+    axes.fill(*area.T, **style, zorder=1)
 
 
 def _agent(axes: Axes, path: Path, horizon: int, look: Look) -> Array:

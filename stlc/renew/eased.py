@@ -90,9 +90,10 @@ def _agent(agent: Agent, held: float, found: list[tuple[Exceeded, list[Linear]]]
     """The agent with wider bounds on states, and on speeds, where its start is beyond them by more
     than `held`."""
     lower, upper = agent.state_lower.copy(), agent.state_upper.copy()
+    tube = _tube(agent)
     for k, now in enumerate(agent.start):
         for sign, limit, ends in ((1.0, upper[k], upper), (-1.0, lower[k], lower)):
-            over = sign * (now - limit)
+            over = sign * (now - limit) + tube
             if np.isfinite(limit) and over > held:
                 width = agent.state_upper[k] - agent.state_lower[k]
                 over = max(over, 0.0)
@@ -100,7 +101,7 @@ def _agent(agent: Agent, held: float, found: list[tuple[Exceeded, list[Linear]]]
                 ends[k] = limit + sign * (over + room)
                 found.append(_beyond_box(agent, k, sign, limit, over))
             elif over > 0.0:
-                ends[k] = now
+                ends[k] = now + sign * tube
     norms = tuple(_norm(agent, bound, held, found) for bound in agent.state_norms)
     return replace(agent, state_lower=lower, state_upper=upper, state_norms=norms)
 
@@ -116,7 +117,7 @@ def _beyond_box(
 
     def excess(states: Floats) -> Floats:
         """How far the states (K, n) are beyond the bound (K,)."""
-        return np.asarray(np.maximum(sign * (states[:, k] - limit), 0.0))
+        return np.asarray(np.maximum(sign * (states[:, k] - limit) + _tube(agent), 0.0))
 
     return Exceeded(agent.name, what, over, unit, excess), [face]
 
@@ -151,7 +152,12 @@ def _outside(agent: Agent, space: Polytope) -> float:
     if agent.dynamics.position is None:
         return 0.0
     place = agent.dynamics.position @ agent.start
-    return float(max((space.normals @ place - space.offsets).max(), 0.0))
+    return float(max((space.normals @ place - space.offsets).max() + _tube(agent), 0.0))
+
+
+def _tube(agent: Agent) -> float:
+    """What a robot needs around the plan of its look-ahead point [m]."""
+    return 0.0 if agent.robot is None else agent.robot.radius
 
 
 def _beyond_space(
@@ -164,9 +170,11 @@ def _beyond_space(
         if position is None or out <= held:
             continue
 
-        def excess(states: Floats, position: Floats = position) -> Floats:
+        def excess(
+            states: Floats, position: Floats = position, tube: float = _tube(agent)
+        ) -> Floats:
             """How far the states (K, n) are outside (K,) [m]."""
-            beyond = states @ position.T @ space.normals.T - space.offsets
+            beyond = states @ position.T @ space.normals.T - space.offsets + tube
             return np.asarray(np.maximum(beyond.max(axis=1), 0.0))
 
         faces = [

@@ -10,8 +10,9 @@ from typing import Protocol
 import numpy as np
 
 from stlc.arrays import Floats
-from stlc.channels import TableMemo, needed, receiver
+from stlc.channels import TableMemo, needed
 from stlc.errors import NoPlanError
+from stlc.link_places import receiver
 from stlc.milp.compile import CompileOptions
 from stlc.mission import Mission
 from stlc.plan import Plan, make_plan

@@ -27,6 +27,7 @@ from stlc.renew.progression import Progression
 from stlc.scales import static_range
 from stlc.verify.link_models import CellModel, TrueModel
 from stlc.verify.requirements import swept_override
+from stlc.verify.robots import heading_at
 from stlc.verify.robustness import Evaluator
 from stlc.verify.shapes import Body
 from stlc.verify.subject import make_subject
@@ -82,10 +83,16 @@ def remaining(mission: Mission, past: Past) -> Remaining:
 
 
 def _started(mission: Mission, past: Past) -> Mission:
-    """With agents that begin where they were measured."""
+    """With agents that begin where they were measured, robots with the heading that their
+    controller has given them on the way."""
     agents = {
         name: replace(agent, start=past.states[name][-1]) for name, agent in mission.agents.items()
     }
+    runs = _as_plan(replace(mission, horizon=past.step), past).runs
+    for name, agent in mission.agents.items():
+        if agent.robot is not None:
+            heading = heading_at(agent.robot, runs[name], mission.step)
+            agents[name] = replace(agents[name], robot=replace(agent.robot, heading=heading))
     return replace(mission, agents=agents)
 
 

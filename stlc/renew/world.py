@@ -8,7 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from stlc.arrays import Floats
-from stlc.channels import needed, true_links
+from stlc.channels import needed
+from stlc.link_places import true_links
 from stlc.mission import Agent, Mission
 from stlc.radio.gp import ChannelModel, extended
 from stlc.radio.samples import make_samples

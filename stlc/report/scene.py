@@ -15,7 +15,8 @@ from stlc.plan import Plan
 from stlc.plot.style import looks
 from stlc.report.links import links
 from stlc.report.numbers import short
-from stlc.verify.paths import Path, paths
+from stlc.verify.paths import Path
+from stlc.verify.robots import true_paths
 from stlc.verify.shapes import obstacle_body, region_body
 
 MOST_POINTS = 2000  # of one path: a trail of more is drawn too slowly to move
@@ -24,7 +25,7 @@ CURVED = 8  # points drawn for each step of a motion that isn't straight between
 
 def scene(mission: Mission, plan: Plan) -> dict[str, Any]:
     """Everything that has a place, as plain JSON values; coordinates in metres."""
-    motion = paths(mission, dict(plan.runs))
+    motion = true_paths(mission, plan)
     agents = [
         {
             "name": name, "colour": look.colour,

@@ -65,6 +65,7 @@ def load_all_diagnostics() -> None:
         "stlc.sema.number_errors",
         "stlc.sema.shape_errors",
         "stlc.sema.space_errors",
+        "stlc.sema.robot_errors",
         "stlc.sema.time_errors",
         "stlc.sema.channel_errors",
         "stlc.sema.objective_errors",

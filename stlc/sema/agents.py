@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from stlc.mission import Agent, Array, Dynamics, Station, TurnRate
-from stlc.sema import noise, props
+from stlc.sema import noise, props, robots
 from stlc.sema.bounds import Bounds, apply
 from stlc.sema.dynamics import STRUCTURE, dynamics
+from stlc.sema.integrators import KINDS, ROBOTS
 from stlc.sema.members import unit_of
 from stlc.sema.name_errors import UnknownName, WrongKind
 from stlc.sema.report import Mistake, Reported, suggested_fix, suggestion
@@ -29,7 +30,6 @@ PROPERTIES = (
 )  # fmt: skip
 _BOUNDING = ("control", "speed", "state")
 MOST_MEMBERS = 10_000
-_KINDS = ("double_integrator", "single_integrator")
 
 
 def declare(statement: ast.AgentDecl, scope: Scope) -> None:
@@ -72,7 +72,7 @@ def agent(statement: ast.AgentDecl, name: str, env: Env, scope: Scope) -> Agent:
     base, inherited = model_of(statement.dynamics, scope)
     limits = [*base.states, *base.inputs]
     owner = f"agent `{statement.name.text}`"
-    own = _known(owner, statement.properties, [*PROPERTIES, *limits], scope)
+    own = _known(owner, statement.properties, [*robots.known(base, PROPERTIES), *limits], scope)
     keys = {p.key.text for p in own}
     every = [*own, *(p for p in inherited if p.key.text not in keys)]
     block = props.Block(owner, {p.key.text: p for p in every})
@@ -80,10 +80,11 @@ def agent(statement: ast.AgentDecl, name: str, env: Env, scope: Scope) -> Agent:
     bounds = Bounds(base, mass, env)
     _apply_all((p for p in every if p.key.text in (*_BOUNDING, *limits)), bounds, scope)
     _tell_of_open_sides(name, bounds, block, scope)
+    robot = robots.robot_of(block, base, statement.name, bounds.input_norms, env, scope)
     made = Agent(
         name=name,
         dynamics=base,
-        start=start(statement, block, base, env, scope),
+        start=robots.planned_start(start(statement, block, base, env, scope), robot),
         state_lower=bounds.state_lower,
         state_upper=bounds.state_upper,
         input_lower=bounds.input_lower,
@@ -92,17 +93,19 @@ def agent(statement: ast.AgentDecl, name: str, env: Env, scope: Scope) -> Agent:
         effort_input=_weights(block, "effort_input", base.inputs, 1.0, scope, env),
         integer_inputs=block.get("integer") is not None,
         state_norms=tuple(bounds.state_norms),
-        input_norms=tuple(bounds.input_norms),
+        input_norms=robots.followed(bounds.input_norms, robot),
         mass=mass,
         start_noise=noise.of_start(block.get("start_noise"), base, env, scope),
         input_noise=noise.of_inputs(block.get("control_noise"), base, env, scope),
         tube=tube_of(block.get("disturbance"), base, block, env, scope),
+        robot=robot,
         span=statement.name.span,
     )
     first = block.get("start")
     scope.starts[name] = statement.name.span if first is None else first.span
-    with scope.report.guard():
-        return replace(made, turn_rate=turn_rate(block, made, scope, env))
+    if robot is None:
+        with scope.report.guard():
+            return replace(made, turn_rate=turn_rate(block, made, scope, env))
     return made
 
 
@@ -150,13 +153,13 @@ def model_of(name: ast.Ident, scope: Scope) -> tuple[Dynamics, list[ast.Property
         if name.text in scope.broken:
             raise Reported
         model = scope.models[name.text]
-        keys = {*PROPERTIES, *model.states, *model.inputs} - {*STRUCTURE}
+        keys = {*robots.known(model, PROPERTIES), *model.states, *model.inputs} - {*STRUCTURE}
         return model, [p for p in found.properties if p.key.text in keys]
-    if found is None and name.text in _KINDS:
+    if found is None and name.text in KINDS:
         statement = ast.DynamicsDecl(name.span, name, name, ())
         return dynamics(statement, (), scope), []
     known = [n for n, d in scope.declarations.items() if isinstance(d, ast.DynamicsDecl)]
-    known += _KINDS
+    known += KINDS
     hint = suggestion(name.text, known, "declare it: `dynamics cart = double_integrator`")
     fix = suggested_fix(name.span, name.text, known)
     raise Mistake(UnknownName(span=name.span, name=name.text, hint=hint, fix=fix))
@@ -165,7 +168,9 @@ def model_of(name: ast.Ident, scope: Scope) -> tuple[Dynamics, list[ast.Property
 def declare_dynamics(statement: ast.DynamicsDecl, scope: Scope) -> None:
     """Declare dynamics; bounds in their block are left for the agents."""
     name = statement.name.text
-    structure = [p for p in statement.properties if p.key.text not in PROPERTIES]
+    robot = statement.kind is not None and statement.kind.text in ROBOTS
+    bounding = (*PROPERTIES, *(robots.PROPERTIES if robot else ()))
+    structure = [p for p in statement.properties if p.key.text not in bounding]
     try:
         made = dynamics(statement, structure, scope)
     except (Mistake, Reported):
@@ -189,7 +194,7 @@ def start(
     value = scope.value(expr, env)
     count = len(value.items) if isinstance(value, Items) else 1
     axes = [k for k, state in enumerate(base.states) if state in ("px", "py", "pz")]
-    if base.name in _KINDS and count == len(axes) < n:
+    if base.name in KINDS and count == len(axes) < n:
         full = np.zeros(n)
         full[axes] = props.numbers(expr, scope, [METRE] * count, env)
     elif count == len(base.axes) < n:

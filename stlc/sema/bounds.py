@@ -243,7 +243,8 @@ def _named(text: str, dynamics: Dynamics) -> Target | None:
         return Target("input", (dynamics.inputs.index(text),), False)
     if text in SPEED_NAMES and dynamics.velocity is not None:
         return Target("state", dynamics.velocity, text == "speed")
-    if text in SPEED_NAMES and "single_integrator" in dynamics.name and text == "speed":
+    moved = "single_integrator" in dynamics.name or dynamics.robot is not None
+    if text == "speed" and moved and dynamics.velocity is None:
         return Target("input", tuple(range(len(dynamics.inputs))), True)
     if text in PLACE_NAMES and dynamics.position is not None:
         return Target("state", tuple(int(np.argmax(r)) for r in dynamics.axes), False)

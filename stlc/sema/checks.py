@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from stlc.arrays import Floats
 from stlc.ir.requirement import Requirement
 from stlc.mission import Agent, Mission
 from stlc.places import Obstacle, Polytope
@@ -89,6 +90,8 @@ def _misplaced(agent: Agent, space: Polytope | None) -> str:
         place = rows @ agent.start
         if not geometry.contains(space, place, -TOLERANCE):
             return f"outside the workspace, at ({place[0]:g}, {place[1]:g})"
+        if problem := _cramped(agent, space, place):
+            return problem
     for k, name in enumerate(agent.dynamics.states):
         low, high = agent.state_lower[k], agent.state_upper[k]
         if not low - TOLERANCE <= agent.start[k] <= high + TOLERANCE:
@@ -99,6 +102,19 @@ def _misplaced(agent: Agent, space: Polytope | None) -> str:
             of = ", ".join(agent.dynamics.states[k] for k in bound.indices)
             return f"outside its bounds: the norm of ({of}) is {size:g}, above {bound.limit:g}"
     return ""
+
+
+def _cramped(agent: Agent, space: Polytope, place: Floats) -> str:
+    """In words, that the tube of a robot doesn't fit into the workspace where it starts."""
+    if agent.robot is None:
+        return ""
+    room = float((space.offsets - space.normals @ place).min())
+    if room >= agent.robot.radius - TOLERANCE:
+        return ""
+    return (
+        f"too near to the workspace's border: its look-ahead point, at ({place[0]:g}, "
+        f"{place[1]:g}), needs {agent.robot.radius:.4g} m around it and has {max(room, 0.0):.4g} m"
+    )
 
 
 def _avoided(scope: Scope) -> Iterator[tuple[Agent, Obstacle]]:

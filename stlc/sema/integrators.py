@@ -1,10 +1,14 @@
-"""The named kinds of dynamics: double and single integrators in one to three dimensions."""
+"""The named kinds of dynamics: double and single integrators in one to three dimensions, and
+robots, whose plans are runs of a single integrator (`stlc/robots.py`)."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
 from stlc.mission import Dynamics, Flow
+from stlc.robots import RobotKind
 from stlc.sema import props
 from stlc.sema.name_errors import UnknownName
 from stlc.sema.report import Mistake, suggested_fix, suggestion
@@ -12,12 +16,13 @@ from stlc.sema.scope import Scope
 from stlc.sema.units import ACCELERATION, METRE, SPEED
 from stlc.syntax import ast
 
-KINDS = ("double_integrator", "single_integrator")
+ROBOTS = tuple(kind.value for kind in RobotKind)
+KINDS = ("double_integrator", "single_integrator", *ROBOTS)
 AXES = "xyz"
 
 
 def named(kind: ast.Ident, block: props.Block, scope: Scope) -> Dynamics:
-    """A double or single integrator in one, two or three dimensions."""
+    """A double or single integrator in one, two or three dimensions, a robot in two."""
     if kind.text not in KINDS:
         hint = suggestion(kind.text, list(KINDS), f"known: {', '.join(KINDS)}, or matrices A, B")
         fix = suggested_fix(kind.span, kind.text, list(KINDS))
@@ -26,8 +31,11 @@ def named(kind: ast.Ident, block: props.Block, scope: Scope) -> Dynamics:
     count = 2 if item is None else scope.whole(props.only(item, "dimensions 2"))
     if item is not None and not 1 <= count <= 3:
         raise props.bad(item, "must be 1, 2 or 3", "dimensions 2")
+    if item is not None and kind.text in ROBOTS and count != 2:
+        raise props.bad(item, f"of a {kind.text} are 2", "dimensions 2")
     make = double_integrator if kind.text == "double_integrator" else single_integrator
-    return make(count, scope.step)
+    robot = RobotKind(kind.text) if kind.text in ROBOTS else None
+    return replace(make(count, scope.step), name=kind.text, robot=robot)
 
 
 def double_integrator(count: int, dt: float) -> Dynamics:

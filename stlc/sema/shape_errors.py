@@ -109,7 +109,7 @@ class MissingMatrix(Diagnostic):
     title: ClassVar[str] = "dynamics `{name}` has no `{matrix}`"
     label: ClassVar[str] = "incomplete"
     help: ClassVar[str] = (
-        "use `double_integrator` or `single_integrator`, or give the matrices A and B"
+        "use `double_integrator` or another of the named kinds, or give the matrices A and B"
     )
     name: str
     matrix: str

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from stlc.ir.nodes import Linear, Link, Node, walk
+from stlc.ir.nodes import Linear, Link, Node, Quantity, walk
 from stlc.mission import Array, Dynamics
 from stlc.sema import props
 from stlc.sema.members import unit_of
@@ -71,7 +71,8 @@ def check_tubes(
     formulas: Iterable[Node], workspace: Span | None, swept: bool, scope: Scope
 ) -> None:
     """Report what is asked of disturbed agents that no tube tells: links, and the motion between
-    the steps."""
+    the steps; and of robots: the cost of a link that is given as a table over cells."""
+    _check_tables(formulas := tuple(formulas), scope)
     disturbed = {name for name, agent in scope.agents.items() if agent.tube is not None}
     if not disturbed:
         return
@@ -83,6 +84,21 @@ def check_tubes(
                 _refuse(node.span, "its links", scope)
             elif node.swept is not None and _movers(node) & disturbed:
                 _refuse(node.span, "its motion between the steps", scope)
+
+
+def _check_tables(formulas: Iterable[Node], scope: Scope) -> None:
+    """A table has one cost a cell, and a robot may be in another than its plan."""
+    robots = {name for name, agent in scope.agents.items() if agent.robot is not None}
+    for node in (n for formula in formulas for n in walk(formula)):
+        if not isinstance(node, Link) or node.quantity is not Quantity.COST:
+            continue
+        pair = (node.sender, node.receiver)
+        if robots & {*pair} and scope.channels[node.channel].has_table(pair):
+            problem = (
+                f"the cost of a robot's link isn't known by cells: `{node.channel}` is a table"
+            )
+            hint = "ask for it of a channel with a model, or minimise it"
+            scope.report.add(NotHere(span=node.span, problem=problem, hint=hint))
 
 
 def _movers(node: Node) -> set[str]:

@@ -9,8 +9,9 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.channels import dimensions, needed, receiver
+from stlc.channels import needed
 from stlc.ir.nodes import Link, Node, Quantity, Relation, walk
+from stlc.link_places import dimensions, receiver
 from stlc.mission import Channel, Mission
 from stlc.radio.costs import CostName, link_cost
 from stlc.radio.gp import ChannelModel

@@ -4,6 +4,8 @@ An agent with a `disturbance` is pushed by it, evenly within its bounds or with 
 applies the feedback that its plan reckons with. Any other plan is carried out as it stands (open
 loop): with e(0) ~ N(0, diag(start_noise^2)) and w(t) ~ N(0, diag(input_noise^2)), all independent,
 x(t) is the plan's plus e(t), e(t+1) = A e(t) + B w(t), and u(t) the plan's plus w(t).
+
+A robot drives as its controller makes it (`stlc/verify/robots.py`), the same way in all draws.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from numpy.typing import NDArray
 from stlc.ir.nodes import Role
 from stlc.mission import Agent, Mission
 from stlc.plan import Plan, Run
+from stlc.verify.robots import drives
 
 Array = NDArray[np.float64]
 
@@ -41,8 +44,11 @@ def is_noisy(agent: Agent) -> bool:
 def draw_runs(mission: Mission, plan: Plan, draws: int, rng: np.random.Generator) -> Runs:
     """The agents' runs, drawn one agent after the other."""
     signals, positions = {}, {}
+    driven = drives(mission, plan.runs, plan.executed)
     for name, agent in mission.agents.items():
         states, inputs = _run(agent, plan.runs[name], draws, rng)
+        if name in driven:
+            states = driven[name].at_steps()[:, :, None]
         signals[name, Role.STATE], signals[name, Role.INPUT] = states, inputs
         space = agent.dynamics.space
         if space is not None:

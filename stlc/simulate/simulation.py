@@ -166,6 +166,7 @@ def _in_workspace(mission: Mission, runs: Runs) -> Iterator[Array]:
 
 
 def _notes(mission: Mission, formulas: list[Node], fading: bool) -> Iterator[str]:
+    """What a reader should know of how the draws were made."""
     nodes = [node for formula in formulas for node in walk(formula)]
     if any(isinstance(n, Link) for n in nodes):
         what = "of one packet a step and direction" if fading else "of the mean of many packets"
@@ -173,5 +174,8 @@ def _notes(mission: Mission, formulas: list[Node], fading: bool) -> Iterator[str
     shaken = {name for name, agent in mission.agents.items() if is_noisy(agent)}
     if shaken:
         yield f"noise, and the plan as it stands, without feedback: {', '.join(sorted(shaken))}"
+    driven = sorted(name for name, agent in mission.agents.items() if agent.robot is not None)
+    if driven:
+        yield f"where its controller takes it along the plan: {', '.join(driven)}"
     if any(n.swept is not None and _movers(n) & shaken for n in nodes):
         yield "`swept` of noisy agents is judged by what is sufficient: it holds at least as often"

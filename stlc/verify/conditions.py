@@ -7,7 +7,8 @@ form is quadratic on every piece, so that its extrema are exact (`continuous.py`
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from math import hypot
 
 import numpy as np
 
@@ -22,10 +23,14 @@ Forms = tuple[Array, Array, Array, Array]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motions:
-    """Paths of all states and the inputs of a run; T+1 steps of `pieces` rows each."""
+    """Paths of all states and the inputs of a run; T+1 steps of `pieces` rows each.
+
+    `radii` [m] of agents whose position is somewhere in a disc around their path.
+    """
 
     paths: Mapping[str, Path]
     runs: Mapping[str, Run]
+    radii: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def pieces(self) -> int:
@@ -58,7 +63,7 @@ class Motions:
         rows = (steps.stop - steps.start) * self.pieces
         out = tuple(np.zeros((rows, len(leaves))) for _ in range(4))
         for k, leaf in enumerate(leaves):
-            out[0][:, k] = leaf.constant
+            out[0][:, k] = leaf.constant - self._off(leaf)
             for signal, weight in leaf.terms:
                 at = slice(steps.start + signal.shift, steps.stop + signal.shift)
                 if signal.role is Role.INPUT:
@@ -72,6 +77,15 @@ class Motions:
                 if path.error is not None:
                     out[3][:, k] += abs(weight) * path.error[on, signal.index]
         return out[0], out[1], out[2], out[3]
+
+    def _off(self, leaf: Linear) -> float:
+        """What a predicate may be less for agents that are anywhere in their discs."""
+        lengths: dict[tuple[str, int], float] = {}
+        for signal, weight in leaf.terms:
+            if signal.owner in self.radii and signal.role is Role.STATE:
+                key = signal.owner, signal.shift
+                lengths[key] = hypot(lengths.get(key, 0.0), weight)
+        return sum(self.radii[owner] * length for (owner, _), length in lengths.items())
 
 
 def _leaves(node: Node) -> Iterator[Linear]:

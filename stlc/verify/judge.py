@@ -23,11 +23,12 @@ from stlc.verify.preferences import cap_violations, preference_reports
 from stlc.verify.prisms import levels_of
 from stlc.verify.report import Clearance, Report, RequirementReport, Violation
 from stlc.verify.requirements import SweptOverride, judge, position_findings, requirement_violations
+from stlc.verify.robots import robot_notes, robot_violations
 from stlc.verify.shapes import Bodies
 from stlc.verify.subject import Subject, make_subject, stale, with_room
 from stlc.verify.together import passages
 from stlc.verify.trace import Trace
-from stlc.verify.tubes import half_widths, spread_of
+from stlc.verify.tubes import half_widths, radii, spread_of
 from stlc.verify.workspace import workspace_notes, workspace_violations
 
 
@@ -48,14 +49,14 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
     cells = CellModel(subject)
     true = TrueModel(subject, cells)
     on_cells = since(plan.executed, true.robustness, cells.robustness)
-    off = spread_of(mission, plan.executed)
-    sampled = Trace(mission.horizon + 1, subject.signals, on_cells, spread=off)
+    off, discs = spread_of(mission, plan.executed), radii(mission)
+    sampled = Trace(mission.horizon + 1, subject.signals, on_cells, spread=off, discs=discs)
     true_links = replace(sampled, link=true.robustness)
     states = state_paths(mission, plan.runs)
     motion = placed(mission, states)
     chains = {name: Chain.of(path) for name, path in motion.items()}
     bodies = Bodies(mission)
-    override = SweptOverride(mission, motion, chains, Motions(states, plan.runs), bodies)
+    override = SweptOverride(mission, motion, chains, Motions(states, plan.runs, discs), bodies)
     requirements = judge(mission, sampled, true_links, override, bodies, plan.executed)
     terms = term_reports(subject, cells, sampled)
     objective = total(terms)
@@ -92,6 +93,7 @@ def _violations(
     """What the run itself violates: dynamics and bounds, the workspace, requirements, passages."""
     mission = subject.mission
     yield from motion_violations(subject)
+    yield from robot_violations(mission, subject.drives, subject.plan.executed)
     yield from workspace_violations(mission, motion, subject.plan.executed)
     yield from requirement_violations(mission, requirements)
     yield from passages(mission, chains, bodies)
@@ -116,10 +118,11 @@ def _notes(subject: Subject, motion: Mapping[str, Path]) -> Iterator[str]:
     yield from norm_notes(subject)
     for name, agent in subject.mission.agents.items():
         widths = half_widths(agent, subject.mission.horizon)
-        if widths is not None:
+        if widths is not None and agent.tube is not None:
             ends = zip(agent.dynamics.states, widths[0].max(axis=0), strict=True)
             listed = ", ".join(f"{state} {width:.3g}" for state, width in ends)
             yield f"{name} stays within {listed} of the plan, whatever its disturbance does"
+    yield from robot_notes(subject.mission, subject.drives)
     yield from workspace_notes(subject.mission, motion, subject.plan.executed)
     models = {name: agent.dynamics for name, agent in subject.mission.agents.items()}
     if subject.plan.executed:

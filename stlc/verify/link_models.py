@@ -94,7 +94,8 @@ class TrueModel:
         """Mean, sigma and length of a pair's link at each step."""
         key = (channel.name, pair)
         if key not in self._values:
-            ends = [self.subject.positions[name] for name in pair]
+            places = self.subject.places
+            ends = [places[name] for name in pair]
             mission = self.subject.mission
             walls = None if channel.model is None else channel.model.walls
             found = true_values(mission, _bare(channel), pair, *ends)
@@ -185,7 +186,7 @@ def _costs(mission: Mission, channel: Channel, pair: Pair) -> bool:
 def _signal(channel: Channel, pair: Pair, true: TrueModel) -> dict[str, Array]:
     """What is known of a link at the true positions, at each step: distance [m], mean and sigma
     [dB], and what the budget makes of them."""
-    places = true.subject.positions
+    places = true.subject.places
     if channel.model is None:
         return {"distance": np.linalg.norm(places[pair[0]] - places[pair[1]], axis=1)}
     found = true.values(channel, pair)

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from stlc.matrices import exponential
 from stlc.mission import Agent, Dynamics, Flow, Mission
 from stlc.plan import Run
+from stlc.verify.tubes import radius
 
 Array = NDArray[np.float64]
 
@@ -106,13 +107,20 @@ def placed(mission: Mission, states: Mapping[str, Path]) -> dict[str, Path]:
         model = mission.agents[name].dynamics
         rows = model.space if mission.aerial else model.position
         if rows is not None:
-            found[name] = path.mapped(rows)
+            found[name] = _with_room(path.mapped(rows), mission.agents[name])
     pieces = next((path.pieces for path in states.values()), 1)
     for name, station in mission.stations.items():
         count = (mission.horizon + 1) * pieces
         place = np.tile(station.place[: 3 if mission.aerial else 2], (count, 1))
         found[name] = Path(place, np.zeros_like(place), np.zeros_like(place), pieces)
     return found
+
+
+def _with_room(path: Path, agent: Agent) -> Path:
+    """The path of a robot is that of its plan, and it is anywhere in its tube."""
+    if agent.robot is None:
+        return path
+    return replace(path, error=path.room + radius(agent.robot))
 
 
 def path_of(agent: Agent, run: Run, step: float) -> Path:

@@ -28,6 +28,7 @@ from stlc.verify.samples import Samples
 from stlc.verify.shapes import Bodies, Body
 from stlc.verify.subject import TOLERANCE, Array
 from stlc.verify.trace import Trace
+from stlc.verify.tubes import radii
 
 TRUE_SLACK = 1e-4
 """A rigorous cell bound may be missed by this much: a position counts as in a cell 1e-6 m away."""
@@ -167,7 +168,8 @@ def swept_override(mission: Mission, runs: Mapping[str, Run]) -> SweptOverride:
     states = state_paths(mission, runs)
     motion = placed(mission, states)
     chains = {name: Chain.of(path) for name, path in motion.items()}
-    return SweptOverride(mission, motion, chains, Motions(states, runs), Bodies(mission))
+    motions = Motions(states, runs, radii(mission))
+    return SweptOverride(mission, motion, chains, motions, Bodies(mission))
 
 
 def requirement_violations(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from stlc.grids import carried_on
 from stlc.ir.nodes import Role
 from stlc.mission import Dynamics, Mission
 from stlc.plan import Plan, Run, mission_digest
+from stlc.verify.robots import Drive, drives
 
 Array = NDArray[np.float64]
 
@@ -26,13 +27,21 @@ TOLERANCE = 1e-6
 class Subject:
     """A plan beside its mission.
 
-    `positions` are (T+1, 3) [m], heights last, of every agent and station that is somewhere.
+    `positions` are (T+1, 3) [m], heights last, of every agent and station that is somewhere, as
+    planned; robots are where their `drives` take them (`places`).
     """
 
     mission: Mission
     plan: Plan
     tables: ChannelTables
     positions: Mapping[str, Array]
+    drives: Mapping[str, Drive] = field(default_factory=dict)
+
+    @property
+    def places(self) -> dict[str, Array]:
+        """The true `positions`."""
+        driven = {name: np.pad(d.at_steps(), ((0, 0), (0, 1))) for name, d in self.drives.items()}
+        return {**self.positions, **driven}
 
     @property
     def signals(self) -> dict[tuple[str, Role], Array]:
@@ -51,7 +60,8 @@ def make_subject(mission: Mission, plan: Plan, tables: ChannelTables | None) -> 
         space = agent.dynamics.space
         if space is not None:
             positions[name] = plan.runs[name].states @ space.T
-    return Subject(mission, plan, tables or ChannelTables(mission), positions)
+    driven = drives(mission, plan.runs, plan.executed)
+    return Subject(mission, plan, tables or ChannelTables(mission), positions, driven)
 
 
 def with_room(subject: Subject) -> Subject:

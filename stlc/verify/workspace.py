@@ -66,6 +66,9 @@ def _at_steps(path: Path, space: Polytope, mission: Mission, name: str, past: in
     beyond = path.c0[:: path.pieces] @ space.normals.T - space.offsets
     width = spread_of(mission, past).get((name, Role.STATE))
     position = mission.agents[name].dynamics.position
-    if width is not None and position is not None:
+    if mission.agents[name].robot is not None:
+        assert width is not None
+        beyond += width[:, :1] * np.linalg.norm(space.normals, axis=1)
+    elif width is not None and position is not None:
         beyond += width @ np.abs(space.normals @ position).T
     return Extremum(-beyond.max(axis=1), np.zeros(len(beyond)))

@@ -84,3 +84,17 @@ def test_the_rest_of_a_conflict_can_hold_where_nothing_else_is_given() -> None:
         assert oracle(rest, spare) is Verdict.FEASIBLE
     for given in found.givens:
         assert oracle(found.clauses, {given, *spare}) is Verdict.FEASIBLE
+
+
+def test_tubes_and_steering_are_members() -> None:
+    head = "horizon 5\nworkspace box [0, 10] x [0, 10]\nagent r : "
+    tail = "region dock = box [6, 6.9] x [4, 6]\nrequire go: eventually[0, 5] r in dock\n"
+    thin = "unicycle { start (1, 5); speed <= 2; turn_rate <= 4; lookahead 0.5 }\n"
+    found = conflict(loads(head + thin + tail))
+    assert [str(given) for given in found.givens] == ["`lookahead 0.5` of r"]
+    steered = (
+        "car { start (5, 5); heading 180 deg; speed <= 2; wheelbase 0.3; steering <= 30 deg }\n"
+        "require back: eventually[0, 2] r.x >= 6\n"
+    )
+    found = conflict(loads(head + steered))
+    assert "`steering <= 30 deg` of r" in {str(given) for given in found.givens}

@@ -52,6 +52,36 @@ def both():
     return there, verify(there, plan).annotate(plan)
 
 
+ROBOT = """step 1 s
+horizon 2
+agent r : unicycle { start (1, 1); heading 90 deg; speed <= 1; turn_rate <= 2; lookahead 0.5 }
+agent s : single_integrator { start (5, 5) }
+require a: always r.x <= 9
+"""
+
+
+def test_robots_are_where_they_drive_with_their_headings(tmp_path):
+    there = loads(ROBOT)
+    ways = {"r": np.array([[0.9, 0.0], [0.9, 0.0]]), "s": np.zeros((2, 2))}
+    starts = {name: agent.start for name, agent in there.agents.items()}
+    runs = {n: np.vstack([starts[n], starts[n] + np.cumsum(w, axis=0)]) for n, w in ways.items()}
+    plan = make_plan(there, runs, ways)
+    export(there, plan, tmp_path / "w.csv", 0.5)
+    rows = list(csv.DictReader((tmp_path / "w.csv").open()))
+    mine = [r for r in rows if r["agent"] == "r"]
+    assert float(mine[0]["heading"]) == pytest.approx(np.pi / 2)
+    assert (float(mine[0]["x"]), float(mine[0]["y"])) == pytest.approx((1.0, 1.0))
+    falls = np.tan(np.pi / 4) * ((1 - 0.018) / (1 + 0.018)) ** 100  # of 100 periods of 18 mm
+    last = float(mine[-1]["heading"])
+    assert np.tan(last / 2) == pytest.approx(falls, rel=1e-6)
+    end = runs["r"][-1] - 0.5 * np.array([np.cos(last), np.sin(last)])
+    assert (float(mine[-1]["x"]), float(mine[-1]["y"])) == pytest.approx(tuple(end))
+    assert {r["heading"] for r in rows if r["agent"] == "s"} == {""}
+    export(there, plan, tmp_path / "w.geojson", None)
+    feature = json.loads((tmp_path / "w.geojson").read_text())["features"][0]
+    assert feature["properties"]["headings"][-1] == pytest.approx(last)
+
+
 def test_waypoints_are_on_the_motion(both, tmp_path):
     export(*both, tmp_path / "w.csv", 0.3)
     rows = list(csv.DictReader((tmp_path / "w.csv").open()))

@@ -21,6 +21,19 @@ def small() -> stlc.Mission:
     return m
 
 
+def test_robots_are_built_like_any_agent():
+    m = stlc.Mission(horizon=4, workspace=stlc.box((0, 10), (0, 10)))
+    van = m.dynamics("van", "car", speed="1 m/s", wheelbase="0.3 m", steering="35 deg")
+    m.agent("a", van, start=(2, 2), heading="90 deg", lookahead=0.4, directions=30)
+    b = m.agent("b", "unicycle", start=(5, 5), speed=1, turn_rate=2, period="50 ms")
+    m.require("go", stlc.eventually(b.x >= 6))
+    robots = {name: a.robot for name, a in api.loads(m.text).agents.items()}
+    assert robots["a"].lookahead == 0.4
+    assert robots["a"].directions == 30
+    assert robots["b"].turning == 2.0
+    assert robots["b"].period == 0.05
+
+
 def test_statements_are_those_of_the_language():
     m = stlc.Mission(step="500 ms", margin=0.1)
     drift = m.dynamics("drift", A=[[1, 0], [0, 1]], B=0.1 * np.eye(2), states=("px", "py"))

@@ -35,6 +35,21 @@ def names(text: str, needle: str, inside: int = 0) -> list[int]:
     return [o.span.start for o in found.index.same(one)]
 
 
+@pytest.mark.parametrize(
+    ("text", "offered"),
+    [
+        ("agent r : unicycle { start (1, 1); he", True),
+        ("dynamics van = car { whe", True),
+        ("dynamics van = car { speed <= 1 }\nagent r : van { lo", True),
+        ("agent r : double_integrator { he", False),
+    ],
+)
+def test_robots_have_properties_of_their_own(text: str, offered: bool) -> None:
+    found = {o.text for o in complete(read_document(text, None), len(text))}
+    assert ({"heading", "lookahead", "steering"} <= found) is offered
+    assert "start" in found
+
+
 def test_names_are_told_apart_by_what_binds_them():
     assert len(names(FAMILY, "wide")) == 3
     assert len(names(FAMILY, "uav")) == 4

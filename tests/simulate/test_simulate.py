@@ -12,8 +12,9 @@ from scipy.stats import multivariate_normal, norm
 from support.command import inside as stlc
 
 from stlc import api
-from stlc.channels import true_links, true_values
+from stlc.channels import true_values
 from stlc.errors import MissionError, UsageError
+from stlc.link_places import true_links
 from stlc.mission import Mission
 from stlc.plan import Plan, make_plan
 from stlc.radio.joint import joint

@@ -15,6 +15,7 @@ from functools import partial
 
 import numpy as np
 
+from stlc.analysis.tubes import Tubes
 from stlc.arrays import Floats, Ints
 from stlc.channels import ChannelTables
 from stlc.ir.networks import Network, uncomposed
@@ -83,6 +84,11 @@ class _Held:
     channels: dict[str, Channel] = field(default_factory=dict)
     stations: dict[str, Station] = field(default_factory=dict)
     _known: dict[tuple[object, ...], str] = field(default_factory=dict)
+    _tubes: Tubes = field(init=False)
+
+    def __post_init__(self) -> None:
+        held = {name: a for name, a in self.mission.agents.items() if name in self.runs}
+        self._tubes = Tubes.of(held, self.mission.horizon)
 
     def left(self, requirements: Iterable[Requirement]) -> Iterator[Requirement]:
         """What the requirements ask of the free agents."""
@@ -109,7 +115,8 @@ class _Held:
         return node
 
     def _linear(self, node: Linear, margin: float) -> Node:
-        """The predicate with held agents' runs put in as constants, one case a step.
+        """The predicate with held agents' runs put in as constants, one case a step, at the worst
+        that their tubes hold.
 
         What names agents that are neither free nor held is left out: they aren't planned yet.
         """
@@ -122,8 +129,10 @@ class _Held:
         last = self.mission.horizon - max(_late(s) for s, _ in node.terms)
         cases: list[Node] = []
         for t in range(last + 1):
-            constant = node.constant + sum(
-                v * self._value(s, t) for s, v in node.terms if s.owner in self.runs
+            constant = (
+                node.constant
+                + sum(v * self._value(s, t) for s, v in node.terms if s.owner in self.runs)
+                - self._tubes.off(node.terms, t)
             )
             fine = Const(constant >= margin - _MISS)
             bare = replace(node, swept=None, norms=None)

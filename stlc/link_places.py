@@ -1,0 +1,90 @@
+"""Where the ends of links are: cells, stations, heights, and how far robots may be off.
+
+Which cells a position touches is none of its business.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stlc.mission import Channel, Mission
+from stlc.radio.gp import ChannelModel
+from stlc.radio.link_ends import LinkEnds
+from stlc.radio.partition import Partition
+
+Array = NDArray[np.float64]
+Pair = tuple[str, str]
+
+
+def link_ends(mission: Mission, channel: Channel, pair: Pair, sure: bool = False) -> LinkEnds:
+    """Both ends of a pair for the radio, the moving one first (channels are symmetric).
+
+    `sure`: the cells of a robot, which say where its plan is, are as much larger as its tube, so
+    that what is worst over them is worst for the robot.
+    """
+    first, second = pair[::-1] if pair[0] in mission.stations else pair
+    station = mission.stations.get(second)
+    radii = [tube_radius(mission, name) if sure else 0.0 for name in (first, second)]
+    cells, others = _wider(channel.partition, radii[0]), None
+    if first in mission.stations:  # two stations: a table with one entry
+        cells = _speck(mission.stations[first].position)
+    elif station is None and radii[0] != radii[1]:
+        others = _wider(channel.partition, radii[1])
+    point = None if station is None else np.asarray(station.position, dtype=np.float64)
+    model = channel.model
+    heights = (height_of(mission, first), height_of(mission, second))
+    use = heights if model is not None and dimensions(mission, model, pair) == 3 else None
+    known = None if model is None else receiver(model, pair)
+    return LinkEnds(cells, others if point is None else point, use, known)
+
+
+def tube_radius(mission: Mission, name: str) -> float:
+    """How far an agent or station may be from where it is planned, at all times [m]."""
+    agent = mission.agents.get(name)
+    return 0.0 if agent is None or agent.robot is None else agent.robot.radius
+
+
+def _wider(cells: Partition, by: float) -> Partition:
+    """Cells that reach further by so much [m], in the plane."""
+    if not by:
+        return cells
+    boxes = cells.boxes.copy()
+    boxes[:, [0, 2]] -= by
+    boxes[:, [1, 3]] += by
+    return Partition(boxes)
+
+
+def _speck(position: Array) -> Partition:
+    x, y = (float(c) for c in position)
+    return Partition(np.array([[x - 1e-9, x + 1e-9, y - 1e-9, y + 1e-9]]))
+
+
+def dimensions(mission: Mission, model: ChannelModel, pair: Pair) -> int:
+    """3 when the channel was measured, a station stands, or an end of the pair may be, at a
+    height; else 2."""
+    if model.posterior is not None:
+        return int(model.posterior.centres.shape[1]) // 2
+    if any(height_of(mission, name) is None for name in pair):
+        return 3
+    return 3 if any(s.height for s in mission.stations.values()) else 2
+
+
+def height_of(mission: Mission, name: str) -> float | None:
+    """Where it stands or drives [m]; None for an agent whose height is a signal."""
+    station = mission.stations.get(name)
+    if station is not None:
+        return station.height
+    return 0.0 if mission.agents[name].dynamics.altitude is None else None
+
+
+def receiver(model: ChannelModel, pair: Pair) -> str | None:
+    """The end whose calibration offset applies: the receiver, or else the sender."""
+    known = dict(model.offsets)
+    return next((name for name in pair[::-1] if name in known), None)
+
+
+def true_links(mission: Mission, model: ChannelModel, pair: Pair, a: Array, b: Array) -> Array:
+    """The links (K, 4), or (K, 6) where heights count, between places a and b (K, 3) [m]."""
+    axes = dimensions(mission, model, pair)
+    return np.hstack([np.asarray(end, dtype=np.float64)[:, :axes] for end in (a, b)])
