@@ -51,8 +51,7 @@ class Dynamics:
     `altitude` (n,) maps it to its height [m], or is None for one that stays at height 0.
     Between samples the state follows `flow`, whose zero-order hold A, B and drift are; with none,
     it moves on a straight line if `straight`, and else nothing is known of it.
-    `outputs` name further linear signals: (c (n,), d (m,), constant, unit).
-    `robot` is what drives behind the point that moves like this (`stlc/robots.py`).
+    `outputs` name further linear signals: (c (n,), d (m,), constant, unit). `robot` drives behind.
     """
 
     name: str
@@ -295,7 +294,6 @@ class Mission:
 
     def summary(self) -> str:
         """One line: agents, requirements, horizon."""
-
         counts = (len(self.agents), len(self.requirements), self.horizon)
         words = zip(counts, ("agent", "requirement", "step"), strict=True)
         said = (f"{count} {word}{'' if count == 1 else 's'}" for count, word in words)
