@@ -21,7 +21,7 @@ from stlc.ir.nodes import Link, Quantity, Relation
 from stlc.link_places import height_of, link_ends, receiver, true_links, tube_radius
 from stlc.mission import Bound, Channel, Mission, TermKind
 from stlc.radio.averages import average_bounds
-from stlc.radio.costs import CLAMP, CostName, cost_interval, link_cost
+from stlc.radio.costs import CLAMP, CostName, cost_interval, least_energy, link_cost
 from stlc.radio.gp import ChannelModel
 from stlc.radio.link_budget import LinkBudget
 from stlc.radio.pathloss import link_distance
@@ -109,9 +109,9 @@ class ChannelTables:
             return pair
         if not all(name in self.mission.agents for name in pair):
             return pair
-        flying = tuple(height_of(self.mission, name) is None for name in pair)
+        heights = tuple(height_of(self.mission, name) for name in pair)
         tubes = tuple(tube_radius(self.mission, name) for name in pair)
-        return ("agents", receiver(channel.model, pair), flying, tubes)
+        return ("agents", receiver(channel.model, pair), heights, tubes)
 
     def _cost(self, channel: Channel, pair: Pair, bound: Bound) -> Array:
         if channel.has_table(pair) or channel.model is None:
@@ -217,6 +217,8 @@ def _least_cost(
         with np.errstate(divide="ignore"):
             least = 1.0 / most**2 if cost is CostName.ETX else -np.log(most)
         return np.minimum(least, CLAMP)
+    if cost is CostName.ENERGY:
+        return least_energy(mean, sigma, budget)
     corners = [link_cost(cost, mean[1], s, budget).values for s in sigma]
     return np.minimum(*corners)
 

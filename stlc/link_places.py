@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stlc.mission import Channel, Mission
-from stlc.radio.gp import ChannelModel
+from stlc.radio.gp import UNHEARD, ChannelModel
 from stlc.radio.link_ends import LinkEnds
 from stlc.radio.partition import Partition
 
@@ -61,30 +61,42 @@ def _speck(position: Array) -> Partition:
 
 
 def dimensions(mission: Mission, model: ChannelModel, pair: Pair) -> int:
-    """3 when the channel was measured, a station stands, or an end of the pair may be, at a
-    height; else 2."""
+    """3 when the channel was measured, or a station or an antenna stands, or an end of the pair may
+    be, at a height; else 2."""
     if model.posterior is not None:
         return int(model.posterior.centres.shape[1]) // 2
     if any(height_of(mission, name) is None for name in pair):
         return 3
-    return 3 if any(s.height for s in mission.stations.values()) else 2
+    radios = (*mission.stations, *mission.agents)
+    return 3 if any(height_of(mission, name) for name in radios) else 2
 
 
 def height_of(mission: Mission, name: str) -> float | None:
-    """Where it stands or drives [m]; None for an agent whose height is a signal."""
+    """Where its antenna is [m]; None for an agent whose height is a signal."""
     station = mission.stations.get(name)
     if station is not None:
         return station.height
-    return 0.0 if mission.agents[name].dynamics.altitude is None else None
+    agent = mission.agents[name]
+    return agent.antenna if agent.dynamics.altitude is None else None
 
 
 def receiver(model: ChannelModel, pair: Pair) -> str | None:
-    """The end whose calibration offset applies: the receiver, or else the sender."""
+    """The end whose calibration offset applies: the receiver, or else the sender; UNHEARD where
+    offsets were fitted and neither was heard."""
     known = dict(model.offsets)
-    return next((name for name in pair[::-1] if name in known), None)
+    found = next((name for name in pair[::-1] if name in known), None)
+    return UNHEARD if found is None and model.offset_spread else found
 
 
 def true_links(mission: Mission, model: ChannelModel, pair: Pair, a: Array, b: Array) -> Array:
-    """The links (K, 4), or (K, 6) where heights count, between places a and b (K, 3) [m]."""
+    """The links (K, 4), or (K, 6) where heights count, between places a and b (K, 3) [m]; antennas
+    are above their agents."""
     axes = dimensions(mission, model, pair)
-    return np.hstack([np.asarray(end, dtype=np.float64)[:, :axes] for end in (a, b)])
+    ends = [np.asarray(p) + raised(mission, name) for name, p in zip(pair, (a, b), strict=True)]
+    return np.hstack([np.asarray(end, dtype=np.float64)[:, :axes] for end in ends])
+
+
+def raised(mission: Mission, name: str) -> Array:
+    """(3,): how far a radio's antenna is above its place [m]."""
+    agent = mission.agents.get(name)
+    return np.array([0.0, 0.0, 0.0 if agent is None else agent.antenna])

@@ -13,7 +13,7 @@ _POINTS = ("start", "effort_state", "effort_input", "start_noise", "control_nois
 _NAMES = ("states", "inputs", "state_units", "input_units", "position", "velocity")
 _PLAIN = ("heading", "lookahead", "wheelbase", "directions", "period", "mass", "dimensions",
           "height", "length", "fading", "shadowing", "noise_floor", "modulation", "packet", "cost",
-          "bound", "bandwidth", "noise_figure")  # fmt: skip
+          "bound", "bandwidth", "noise_figure", "frequency", "power", "antenna")  # fmt: skip
 
 
 def block(given: Iterable[str], named: Mapping[str, Any]) -> str:

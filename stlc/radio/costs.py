@@ -33,6 +33,12 @@ class CostName(StrEnum):
     OUTAGE = "outage"
     NEG_RSSI = "neg_rssi"
     PAPER_INV_RSSI = "paper_inv_rssi"
+    ENERGY = "energy"
+
+
+MOST_TRIES = 1e3
+"""Transmissions that the energy of a packet counts at most, so that its table spans no more than
+three powers of ten."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,6 +59,7 @@ def link_cost(cost: CostName, mean: Array, sigma: Array, budget: LinkBudget) -> 
     outage          P(rssi < sensitivity)
     neg_rssi        -mu
     paper_inv_rssi  the paper's 1/RSSI with RSSI in dB: wrong in scale, singular at 0
+    energy          what sending a packet until it arrives takes [mJ]: power x time on the air / PRR
     Raises RadioError when the receiver lacks what the cost needs.
     """
     with np.errstate(divide="ignore", over="ignore"):
@@ -78,8 +85,21 @@ def _raw_cost(cost: CostName, mean: Array, sigma: Array, budget: LinkBudget) -> 
             return -mean
         case CostName.PAPER_INV_RSSI:
             return np.asarray(1.0 / mean)
+        case CostName.ENERGY:
+            return _energy(average(budget.prr, mean, sigma), budget)
         case _:
             assert_never(cost)
+
+
+def _energy(prr: Array, budget: LinkBudget) -> Array:
+    return np.asarray(budget.packet_energy / np.maximum(prr, 1.0 / MOST_TRIES))
+
+
+def least_energy(
+    mean: tuple[Array, Array], sigma: tuple[Array, Array], budget: LinkBudget
+) -> Array:
+    """Lower bound [mJ] of the energy over intervals of mean [dBm] and sigma [dB]."""
+    return _energy(average_bounds(budget.prr, mean, sigma, decreasing=False)[1], budget)
 
 
 def _outage(mean: Array, sigma: Array, budget: LinkBudget) -> Array:
@@ -139,6 +159,9 @@ def _highest(
         case CostName.NEG_LOG_PRR:
             least, _ = average_bounds(budget.prr, mean, sigma, decreasing=False)
             return np.asarray(-np.log(least))
+        case CostName.ENERGY:
+            least, _ = average_bounds(budget.prr, mean, sigma, decreasing=False)
+            return _energy(least, budget)
         case CostName.OUTAGE:
             ends = (_outage(mean[0], s, budget) for s in sigma)
             return np.maximum(*ends)

@@ -236,6 +236,7 @@ def _model(
         kernel=options.kernel,
         offsets=_named(names, offsets),
         offset_variances=_named(names, given),
+        offset_spread=at.offset,
         deviation=at.deviation,
         walls=losses_of(walls, last.coefficients),
     )

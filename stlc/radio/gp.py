@@ -39,6 +39,10 @@ EXACT_LIMIT = 2500
 
 CHUNK = 4096
 
+UNHEARD = "?"
+"""Stands for a receiver that no sample is of, where offsets were fitted: its own is as uncertain as
+those of all receivers differ."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ChannelModel:
@@ -54,6 +58,7 @@ class ChannelModel:
     kernel      see `stlc.radio.kernel`
     offsets     calibration offset [dB] of each named receiver, added to its mean
     offset_variances  how far each offset may be off [dB^2], added to variances asked for by name
+    offset_spread  variance [dB^2] of offsets over all receivers, those never heard too
     posterior   what measurements add; None for the prior
     walls       what takes its share of the strength along the line of sight
     """
@@ -70,6 +75,7 @@ class ChannelModel:
     deviation: float = 0.0
     offset_variances: tuple[tuple[str, float], ...] = ()
     walls: Walls | None = None
+    offset_spread: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("l0", "exponent"):
@@ -95,8 +101,9 @@ class ChannelModel:
         return base + self.offset(receiver)
 
     def offset(self, receiver: str | None) -> float:
-        """Calibration offset [dB]; 0 for no name. Raises RadioError for an unknown name."""
-        if not receiver:
+        """Calibration offset [dB]; 0 for no name and for UNHEARD. Raises RadioError for an unknown
+        name."""
+        if not receiver or receiver == UNHEARD:
             return 0.0
         known = dict(self.offsets)
         if receiver not in known:
@@ -105,6 +112,8 @@ class ChannelModel:
 
     def offset_variance(self, receiver: str | None) -> float:
         """Variance of `offset` [dB^2]; 0 where offsets are given rather than fitted."""
+        if receiver == UNHEARD:
+            return self.offset_spread
         return dict(self.offset_variances).get(receiver or "", 0.0)
 
     def predict(

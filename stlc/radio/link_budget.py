@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import lru_cache
-from math import comb, log, log10
+from math import comb, log, log10, pi
 from typing import assert_never
 
 import numpy as np
@@ -20,6 +20,9 @@ from stlc.radio.errors import RadioError
 Array = NDArray[np.float64]
 
 THERMAL_NOISE_DBM_HZ = -174.0
+
+LIGHT = 299_792_458.0
+"""Its speed [m/s]."""
 
 
 class Modulation(StrEnum):
@@ -121,6 +124,11 @@ def noise_floor_dbm(bandwidth_hz: float, noise_figure_db: float) -> float:
     return THERMAL_NOISE_DBM_HZ + 10.0 * log10(bandwidth_hz) + noise_figure_db
 
 
+def free_space_loss(distance: float, frequency: float) -> float:
+    """20 log10(4 pi d f / c) [dB] of a distance [m] at a frequency [Hz] (Friis, 1946)."""
+    return 20.0 * log10(4.0 * pi * distance * frequency / LIGHT)
+
+
 @dataclass(frozen=True, slots=True)
 class LinkBudget:
     """What turns a received strength into link quality.
@@ -130,6 +138,7 @@ class LinkBudget:
     bandwidth, rate  [Hz], [bit/s]: Eb/N0 = SNR + 10 log10(bandwidth / rate); both or neither
     packet           [bytes], for PRR
     sensitivity      [dBm], for `outage`
+    power            of the transmitter [dBm], for `energy`
     rates            (SNR [dB], bit rate [bit/s]) from which each rate can be sent, both rising
     """
 
@@ -140,6 +149,7 @@ class LinkBudget:
     packet: float | None = None
     sensitivity: float | None = None
     rates: tuple[tuple[float, float], ...] = ()
+    power: float | None = None
 
     def __post_init__(self) -> None:
         if (self.bandwidth is None) != (self.rate is None):
@@ -155,6 +165,14 @@ class LinkBudget:
         if self.bandwidth is None or self.rate is None:
             return 0.0
         return 10.0 * log10(self.bandwidth / self.rate)
+
+    @property
+    def packet_energy(self) -> float:
+        """What one packet takes on the air [mJ]: power [mW] x bits / rate. Raises RadioError where
+        the channel doesn't say one of them."""
+        if self.power is None or self.packet is None or self.rate is None:
+            raise RadioError("energy needs `power 20 dBm`, `packet 32 bytes` and `rate 250 kbit/s`")
+        return float(10.0 ** (self.power / 10.0) * 8.0 * self.packet / self.rate)
 
     def snr(self, rssi: Array) -> Array:
         """SNR [dB] at received strength [dBm]."""

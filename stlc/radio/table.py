@@ -8,7 +8,7 @@ Gauss-Legendre quadrature (a cell with itself too: the clamped distance keeps it
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -30,7 +30,13 @@ BoundName = Literal["centre", "mean", "worst"]
 QUADRATURE = 2
 QUADRATURE_NEAR = 5
 
-SPREAD_COSTS = (CostName.INV_SNR, CostName.ETX, CostName.NEG_LOG_PRR, CostName.OUTAGE)
+SPREAD_COSTS = (
+    CostName.INV_SNR,
+    CostName.ETX,
+    CostName.NEG_LOG_PRR,
+    CostName.OUTAGE,
+    CostName.ENERGY,
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -123,7 +129,7 @@ def cost_table(
 
     Raises RadioError when the budget lacks what the cost needs, or fading would count twice.
     """
-    if cost in (CostName.ETX, CostName.NEG_LOG_PRR):
+    if cost in (CostName.ETX, CostName.NEG_LOG_PRR, CostName.ENERGY):
         check_fading(budget.modulation, model.fading)
     if bound == "worst":
         found = bound_ends(model, ends, 0.0, cost in SPREAD_COSTS)
@@ -155,6 +161,7 @@ def bound_ends(
     """
     first, second = ends.boxes()
     other = None if ends.symmetric else second
+    model = replace(model, deviation=model.deviation + model.offset_variance(ends.receiver))
     found = pair_bounds(model, first, other, z=z, spread=spread, focus=focus)
     shift = model.offset(ends.receiver)
     mean = found.mean[0] + shift, found.mean[1] + shift

@@ -151,7 +151,7 @@ def _sharing(settings: SolveSettings, room: Eased) -> tuple[SolveSettings, Table
 
     options = settings.compile or CompileOptions()
     if room.exceeded or any(c.auto for c in room.mission.channels.values()):
-        return settings, {}
+        return _unshared(settings), {}
     memo = {} if options.tables is None else options.tables
     return replace(settings, compile=replace(options, tables=memo)), memo
 

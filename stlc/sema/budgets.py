@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf, nan
+from math import inf, log10, nan
 from typing import TYPE_CHECKING
 
 from stlc.sema import props, units
@@ -40,7 +40,22 @@ def link_budget(reader: Reader) -> LinkBudget:
         packet=_packet(reader),
         sensitivity=reader.number("sensitivity", units.DBM),
         rates=_rates(reader),
+        power=transmit_power(reader),
     )
+
+
+def transmit_power(reader: Reader) -> float | None:
+    """What the transmitter sends [dBm]; watts will do."""
+    item = reader.block.get("power")
+    if item is None:
+        return None
+    expr = props.only(item, "power 20 dBm")
+    if reader.scope.constant(expr).unit != units.WATT:
+        return reader.number("power", units.DBM)
+    watts = reader.scope.number(expr, units.WATT)
+    if watts <= 0:
+        raise props.bad(item, "must be above 0 W", "power 100 mW")
+    return reader.in_scale(item, 10.0 * log10(watts) + 30.0)
 
 
 def _rates(reader: Reader) -> tuple[tuple[float, float], ...]:

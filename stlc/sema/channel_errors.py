@@ -12,7 +12,8 @@ class MissingChannelValue(Diagnostic):
 
     Path loss needs L0 and n. SNR, BER and PRR need `noise_floor`, or `bandwidth` with
     `noise_figure`; BER and PRR need `modulation`; PRR, `etx` and `neg_log_prr` need `packet`;
-    `outage` needs `sensitivity`. Every predicate and cost needs `partition`.
+    `outage` needs `sensitivity`; `energy` needs what `etx` needs, `power` and `rate`; a `frequency`
+    in place of L0 needs `power`. Every predicate and cost needs `partition`.
     """
 
     code: ClassVar[str] = "E0601"

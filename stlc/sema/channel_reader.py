@@ -15,7 +15,8 @@ _LEVEL = (-1000.0, 1000.0)  # dB; 10^(x/10) overflows at 3082
 _LENGTH = (1e-6, 1e9)  # m; quotients of a distance and a length, and their squares, stay finite
 _SCALES = {
     "L0": _LEVEL, "noise_floor": _LEVEL, "noise_figure": _LEVEL, "sensitivity": _LEVEL,
-    "n": (-100.0, 100.0), "length": _LENGTH, "d0": _LENGTH,
+    "power": _LEVEL, "frequency": (1e3, 1e15), "n": (-100.0, 100.0),
+    "length": _LENGTH, "d0": _LENGTH,
     "fading": (0.0, 1e4), "shadowing": (0.0, 1e4), "deviation": (0.0, 1e3),
     "bandwidth": (1e-6, 1e15), "rate": (1e-6, 1e15), "packet": (0.125, 1e9),
 }  # fmt: skip

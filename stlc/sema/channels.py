@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import log10
 from typing import TYPE_CHECKING
 
 from stlc.mission import Array, Bound, Channel
 from stlc.sema import props, units
-from stlc.sema.budgets import link_budget
+from stlc.sema.budgets import link_budget, transmit_power
 from stlc.sema.channel_data import FitShape, conditioned, fitted, read_table, sample_source
 from stlc.sema.channel_errors import BadChannel, RayleighWithFading
 from stlc.sema.channel_reader import Reader
@@ -33,9 +34,9 @@ PROPERTIES = (
     "path_loss", "L0", "n", "d0", "fading", "deviation", "shadowing", "length", "kernel",
     "samples", "noise_floor", "bandwidth", "noise_figure", "modulation", "packet",
     "sensitivity", "rate", "partition", "cost", "bound", "cost_bound", "table", "pairs", "walls",
-    "rates",
+    "rates", "power", "frequency",
 )  # fmt: skip
-COSTS = ("inv_snr", "etx", "neg_log_prr", "outage", "neg_rssi", "paper_inv_rssi")
+COSTS = ("inv_snr", "etx", "neg_log_prr", "outage", "neg_rssi", "paper_inv_rssi", "energy")
 KERNELS = ("symmetrised", "paper_min")
 BOUNDS = tuple(b.value for b in Bound)
 
@@ -140,7 +141,8 @@ def _prior(statement: ast.ChannelDecl, reader: Reader) -> ChannelModel:
     from stlc.radio.kernel import KernelName
 
     span, name = statement.name.span, statement.name.text
-    l0, exponent = reader.number("L0", units.DBM), reader.number("n", units.PURE)
+    exponent = reader.number("n", units.PURE)
+    l0 = reader.number("L0", units.DBM, _free_space(reader, name, exponent))
     if l0 is None or exponent is None:
         what = "path_loss"
         why = "L0 [dBm at 1 m] and n are needed" if l0 is None else "n is needed"
@@ -160,6 +162,22 @@ def _prior(statement: ast.ChannelDecl, reader: Reader) -> ChannelModel:
         kernel=KernelName(_kernel(reader)),
         deviation=reader.variance("deviation"),
     )
+
+
+def _free_space(reader: Reader, name: str, exponent: float | None) -> float | None:
+    """L0 [dBm at 1 m] of a channel that gives a frequency in its place: the strength at d0 is that
+    of free space, and falls with the exponent from there."""
+    from stlc.radio.link_budget import free_space_loss
+
+    frequency = reader.positive("frequency", units.HERTZ)
+    if frequency is None or exponent is None or reader.block.get("L0") is not None:
+        return None
+    power = transmit_power(reader)
+    if power is None:
+        why = "strength by `frequency` needs it"
+        raise Mistake(missing(name, "power", why, reader.block.by_key["frequency"].span))
+    d0 = _d0(reader)
+    return power - free_space_loss(d0, frequency) + 10.0 * exponent * log10(d0)
 
 
 def _check_fading(reader: Reader, model: ChannelModel, budget: LinkBudget) -> None:

@@ -26,6 +26,8 @@ COSTS = ("effort", "link_cost", "robustness", "time", "total", "normalised", "no
 
 Pair = tuple[str, str]
 
+_BY_PACKET = ("etx", "neg_log_prr", "energy")
+
 
 def is_cost(expr: ast.Expr, env: Env, scope: Scope) -> bool:
     """True when a cost stands somewhere in the expression."""
@@ -217,12 +219,16 @@ def check_cost(channel: Channel, pairs: tuple[Pair, ...], span: Span) -> None:
         return
     cost, name = channel.cost, channel.name
     why = f"the link cost `{cost}` needs it"
-    if cost in ("inv_snr", "etx", "neg_log_prr") and isnan(budget.noise_floor):
+    if cost in ("inv_snr", *_BY_PACKET) and isnan(budget.noise_floor):
         raise Mistake(missing(name, "noise_floor", why, span))
-    if cost in ("etx", "neg_log_prr") and budget.modulation is None:
+    if cost in _BY_PACKET and budget.modulation is None:
         raise Mistake(missing(name, "modulation", why, span))
-    if cost in ("etx", "neg_log_prr") and budget.packet is None:
+    if cost in _BY_PACKET and budget.packet is None:
         raise Mistake(missing(name, "packet", why, span))
+    if cost == "energy" and budget.power is None:
+        raise Mistake(missing(name, "power", why, span))
+    if cost == "energy" and budget.rate is None:
+        raise Mistake(missing(name, "rate", why, span))
     if cost == "outage" and budget.sensitivity is None:
         raise Mistake(missing(name, "sensitivity", why, span))
 

@@ -88,11 +88,12 @@ def check_samples(
     block: props.Block, channel: str, model: ChannelModel | None, scope: Scope
 ) -> None:
     """Samples in the plane say nothing of links in space. Raises Mistake."""
-    agents = flying(scope)
-    if not agents or model is None or model.posterior is None:
+    raised = [(a.name, "flies") for a in flying(scope)]
+    raised += [(a.name, "has a raised antenna") for a in scope.agents.values() if a.antenna]
+    if not raised or model is None or model.posterior is None:
         return
     if model.posterior.centres.shape[1] == 4:
-        problem = f"its samples have no heights, and `{agents[0].name}` flies"
+        problem = f"its samples have no heights, and `{raised[0][0]}` {raised[0][1]}"
         hint = "give heights of both ends in columns, such as `tx_z` and `rx_z`"
         span = block.by_key["samples"].span
         raise Mistake(BadChannel(span=span, channel=channel, problem=problem, hint=hint))

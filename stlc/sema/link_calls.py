@@ -41,6 +41,8 @@ USAGE = {
     "modulation": "modulation oqpsk_802_15_4",
     "packet": "packet 32 bytes",
     "sensitivity": "sensitivity -90 dBm",
+    "power": "power 20 dBm",
+    "rate": "bandwidth 2 MHz, rate 250 kbit/s",
     "partition": "partition 10 x 10",
 }
 

@@ -36,7 +36,7 @@ from stlc.source import Span
 from stlc.syntax import ast
 
 _QUALITIES = {"link_cost" if q is Quantity.COST else q.value: q for q in Quantity}
-_ADDITIVE = ("inv_snr", "etx", "neg_log_prr")
+_ADDITIVE = ("inv_snr", "etx", "neg_log_prr", "energy")
 _USAGE = {
     "connected": "connected(agents, radio, rssi >= -70 dBm)",
     "route": "route(a, base, hops <= 3, prr >= 0.9)",

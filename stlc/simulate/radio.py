@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from stlc.channels import needed
 from stlc.ir.nodes import Link, Node, Quantity, Relation, walk
-from stlc.link_places import dimensions, receiver
+from stlc.link_places import dimensions, raised, receiver
 from stlc.mission import Channel, Mission
 from stlc.radio.costs import CostName, link_cost
-from stlc.radio.gp import ChannelModel
+from stlc.radio.gp import UNHEARD, ChannelModel
 from stlc.radio.joint import joint
 from stlc.radio.link_budget import LinkBudget
 from stlc.simulate.runs import Runs
@@ -114,12 +114,11 @@ def _strengths(
     drawn = _in_blocks(model, links, draws, rng).reshape(len(distinct), -1, draws)
     strengths = drawn[[distinct.index(_unordered(pair)) for pair in pairs]]
     names = [receiver(model, pair) for pair in pairs]
-    offs = {
-        name: np.sqrt(model.offset_variance(name)) * rng.standard_normal(draws)
-        for name in dict.fromkeys(names)
-    }
-    for level, name in zip(strengths, names, strict=True):
-        level += model.offset(name) + offs[name]
+    ears = [pair[1] if n == UNHEARD else n for n, pair in zip(names, pairs, strict=True)]
+    spread = {e: np.sqrt(model.offset_variance(n)) for e, n in zip(ears, names, strict=True)}
+    offs = {ear: size * rng.standard_normal(draws) for ear, size in spread.items()}
+    for level, name, ear in zip(strengths, names, ears, strict=True):
+        level += model.offset(name) + offs[ear]
     return strengths
 
 
@@ -131,7 +130,10 @@ def _links(mission: Mission, model: ChannelModel, pairs: Sequence[Pair], runs: R
     """The links (W, pairs (T+1), 2 D) [m] of all pairs in each world, one after the other; in space
     where any of them is, and in worlds of their own where any end of one is noisy."""
     axes = max(dimensions(mission, model, pair) for pair in pairs)
-    ends = [tuple(runs.positions[name] for name in pair) for pair in pairs]
+    ends = [
+        tuple(runs.positions[name] + raised(mission, name)[:, None] for name in pair)
+        for pair in pairs
+    ]
     worlds = max(place.shape[2] for both in ends for place in both)
     links = []
     for both in ends:

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from stlc import api
+from stlc.milp.compile import CompileOptions
+from stlc.solve.outcome import SolveSettings
 from stlc.verify import verify
 
 CART = """step 1 s
@@ -60,6 +62,17 @@ def test_links_beyond_the_workspace_are_judged_alike(cells: str) -> None:
     assert np.isfinite(again.robustness)
     assert again.robustness == said.robustness
     assert verify(mission, found.plan).objective == found.report.objective
+
+
+def test_tables_that_a_loop_shares_are_those_of_its_cells() -> None:
+    """Outside of the workspace cells go on: what was kept for those within is none of theirs."""
+    text = RADIO.replace("CELLS", "5 x 5").replace("c {", "c { noise_floor -90 dBm;", 1)
+    mission = api.loads(text)
+    plan = api.solve(mission).plan
+    settings = SolveSettings(compile=CompileOptions(tables={}))
+    near, far = np.array([-0.3, 5.0, 0.0, 0.0]), np.array([-4.0, 5.0, 0.0, 0.0])
+    assert not api.replan(mission, plan, 2, {"a": near}, settings=settings).given_up
+    assert "talk" in api.replan(mission, plan, 2, {"a": far}, settings=settings).given_up
 
 
 def test_disturbed_agents_begin_a_new_tube_where_they_are() -> None:
