@@ -131,8 +131,7 @@ class Agent:
     """One agent. Bounds are (n,) and (m,); state bounds hold at t = 0..T; infinite if absent.
 
     `start_noise` (n,) and `input_noise` (m,) are standard deviations of what a run is off by, at
-    the start and in each step's inputs; None for none. Plans are made without them. `antenna` is
-    how high [m] above the ground that of an agent is which doesn't fly.
+    the start and in each step's inputs; None for none. Plans are made without them.
 
     `starts` are ends (n,) between which it may start in place of `start`: no file says so,
     `explain` asks what would be if the start were free.
@@ -157,7 +156,7 @@ class Agent:
     tube: Tube | None = None  # of one that is disturbed
     robot: Robot | None = None  # what drives behind the plan of its look-ahead point
     span: Span | None = None
-    antenna: float = 0.0
+    antenna: float = 0.0  # m above the ground, of one that does not fly
     starts: tuple[Array, Array] | None = None
 
 

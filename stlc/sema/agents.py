@@ -11,6 +11,7 @@ from stlc.mission import Agent, Array, Dynamics, Station, TurnRate
 from stlc.sema import noise, props, robots
 from stlc.sema.bounds import Bounds, apply
 from stlc.sema.dynamics import STRUCTURE, dynamics
+from stlc.sema.heights import antenna
 from stlc.sema.integrators import KINDS, ROBOTS
 from stlc.sema.members import unit_of
 from stlc.sema.name_errors import UnknownName, WrongKind
@@ -30,7 +31,6 @@ PROPERTIES = (
 )  # fmt: skip
 _BOUNDING = ("control", "speed", "state")
 MOST_MEMBERS = 10_000
-_HIGHEST = 1e6  # m, of an antenna
 
 
 def declare(statement: ast.AgentDecl, scope: Scope) -> None:
@@ -98,7 +98,7 @@ def agent(statement: ast.AgentDecl, name: str, env: Env, scope: Scope) -> Agent:
         mass=mass,
         start_noise=noise.of_start(block.get("start_noise"), base, env, scope),
         input_noise=noise.of_inputs(block.get("control_noise"), base, env, scope),
-        antenna=_antenna(block, base, env, scope),
+        antenna=antenna(block, base, env, scope),
         tube=tube_of(block.get("disturbance"), base, block, env, scope),
         robot=robot,
         span=statement.name.span,
@@ -120,20 +120,6 @@ def _mass(block: props.Block, env: Env, scope: Scope) -> float:
     if mass <= 0:
         raise props.bad(item, "must be above 0", "mass 1 kg")
     return mass
-
-
-def _antenna(block: props.Block, base: Dynamics, env: Env, scope: Scope) -> float:
-    """How high the antenna is [m]; on the ground where it isn't said."""
-    item, usage = block.get("antenna"), "antenna 1.5 m"
-    if item is None:
-        return 0.0
-    if base.altitude is not None or base.position is None:
-        what = "is for agents on the ground: one that flies has its antenna where it is"
-        raise props.bad(item, what if base.altitude is not None else "needs a position", usage)
-    height = scope.number(props.only(item, usage), METRE, env)
-    if not 0.0 <= height <= _HIGHEST:
-        raise props.bad(item, f"is from 0 to {_HIGHEST:g} m", usage)
-    return height
 
 
 def _tell_of_open_sides(name: str, bounds: Bounds, block: props.Block, scope: Scope) -> None:

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stlc.mission import Agent, Station
+from stlc.mission import Agent, Dynamics, Station
 from stlc.sema import props
 from stlc.sema.channel_errors import BadChannel
 from stlc.sema.report import Mistake
 from stlc.sema.scope import Scope
 from stlc.sema.space_errors import UnboundedHeight
+from stlc.sema.units import METRE
+from stlc.sema.values import Env
 
 if TYPE_CHECKING:
     from stlc.radio.gp import ChannelModel
@@ -27,6 +29,8 @@ no link, far above what positions are judged to."""
 
 EVERY: Levels = (-inf, inf)
 """A column of every height."""
+
+HIGHEST = 1e6  # m, of an antenna
 
 TOUCH = 1e-6
 """Heights this near touch [m]: the tolerance of every judgement."""
@@ -97,3 +101,17 @@ def check_samples(
         hint = "give heights of both ends in columns, such as `tx_z` and `rx_z`"
         span = block.by_key["samples"].span
         raise Mistake(BadChannel(span=span, channel=channel, problem=problem, hint=hint))
+
+
+def antenna(block: props.Block, base: Dynamics, env: Env, scope: Scope) -> float:
+    """How high the antenna is [m]; on the ground where it isn't said."""
+    item, usage = block.get("antenna"), "antenna 1.5 m"
+    if item is None:
+        return 0.0
+    if base.altitude is not None or base.position is None:
+        what = "is for agents on the ground: one that flies has its antenna where it is"
+        raise props.bad(item, what if base.altitude is not None else "needs a position", usage)
+    height = scope.number(props.only(item, usage), METRE, env)
+    if not 0.0 <= height <= HIGHEST:
+        raise props.bad(item, f"is from 0 to {HIGHEST:g} m", usage)
+    return height

@@ -100,7 +100,8 @@ class UnknownProperty(Diagnostic):
 
     Agents know `start control speed state turn_rate mass effort_state effort_input integer
     start_noise control_noise disturbance antenna` and the names of their states and inputs,
-    unicycles and cars `heading lookahead period` besides; the language guide lists those of every kind.
+    unicycles and cars `heading lookahead period` besides; the language guide lists those of
+    every kind.
     """
 
     code: ClassVar[str] = "E0207"
