@@ -132,7 +132,6 @@ class Agent:
 
     `start_noise` (n,) and `input_noise` (m,) are standard deviations of what a run is off by, at
     the start and in each step's inputs; None for none. Plans are made without them.
-
     `starts` are ends (n,) between which it may start in place of `start`: no file says so,
     `explain` asks what would be if the start were free.
     """

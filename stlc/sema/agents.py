@@ -103,8 +103,7 @@ def agent(statement: ast.AgentDecl, name: str, env: Env, scope: Scope) -> Agent:
         robot=robot,
         span=statement.name.span,
     )
-    first = block.get("start")
-    scope.starts[name] = statement.name.span if first is None else first.span
+    scope.starts[name] = (block.get("start") or statement.name).span
     if robot is None:
         with scope.report.guard():
             return replace(made, turn_rate=turn_rate(block, made, scope, env))
@@ -116,8 +115,7 @@ def _mass(block: props.Block, env: Env, scope: Scope) -> float:
     item = block.get("mass")
     if item is None:
         return 1.0
-    mass = scope.number(props.only(item, "mass 1 kg"), KILOGRAM, env)
-    if mass <= 0:
+    if (mass := scope.number(props.only(item, "mass 1 kg"), KILOGRAM, env)) <= 0:
         raise props.bad(item, "must be above 0", "mass 1 kg")
     return mass
 
