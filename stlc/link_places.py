@@ -5,10 +5,12 @@ Which cells a position touches is none of its business.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.mission import Channel, Mission
+from stlc.mission import Agent, Channel, Mission
 from stlc.radio.gp import UNHEARD, ChannelModel
 from stlc.radio.link_ends import LinkEnds
 from stlc.radio.partition import Partition
@@ -20,8 +22,8 @@ Pair = tuple[str, str]
 def link_ends(mission: Mission, channel: Channel, pair: Pair, sure: bool = False) -> LinkEnds:
     """Both ends of a pair for the radio, the moving one first (channels are symmetric).
 
-    `sure`: the cells of a robot, which say where its plan is, are as much larger as its tube, so
-    that what is worst over them is worst for the robot.
+    `sure`: the cells of a robot or a disturbed agent, which say where its plan is, are as much
+    larger as its tube, so that what is worst over them is worst for it.
     """
     first, second = pair[::-1] if pair[0] in mission.stations else pair
     station = mission.stations.get(second)
@@ -40,9 +42,23 @@ def link_ends(mission: Mission, channel: Channel, pair: Pair, sure: bool = False
 
 
 def tube_radius(mission: Mission, name: str) -> float:
-    """How far an agent or station may be from where it is planned, at all times [m]."""
+    """How far along an axis an agent or station may be from where it is planned, at all times [m];
+    the same however much of the mission is left."""
     agent = mission.agents.get(name)
-    return 0.0 if agent is None or agent.robot is None else agent.robot.radius
+    if agent is None:
+        return 0.0
+    if agent.tube is not None:
+        return _pushed(agent)
+    return 0.0 if agent.robot is None else agent.robot.radius
+
+
+@lru_cache(maxsize=64)
+def _pushed(agent: Agent) -> float:
+    """How far a disturbance carries an agent off, along the axis along which that is most."""
+    model, tube = agent.dynamics, agent.tube
+    if tube is None or model.position is None:
+        return 0.0
+    return float((np.abs(model.position) @ tube.widest(model.A, model.B)).max())
 
 
 def _wider(cells: Partition, by: float) -> Partition:

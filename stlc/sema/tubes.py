@@ -11,7 +11,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from stlc.ir.nodes import Linear, Link, Node, Quantity, walk
-from stlc.mission import Array, Dynamics
+from stlc.mission import Agent, Array, Bound, Dynamics
 from stlc.sema import props
 from stlc.sema.members import unit_of
 from stlc.sema.name_errors import NotHere
@@ -70,8 +70,8 @@ def feedback(base: Dynamics) -> Array:
 def check_tubes(
     formulas: Iterable[Node], workspace: Span | None, swept: bool, scope: Scope
 ) -> None:
-    """Report what is asked of disturbed agents that no tube tells: links, and the motion between
-    the steps; and of robots: the cost of a link that is given as a table over cells."""
+    """Report what is asked of disturbed agents that no tube tells: some links, and the motion
+    between the steps; and of robots: the cost of a link that is given as a table over cells."""
     _check_tables(formulas := tuple(formulas), scope)
     disturbed = {name for name, agent in scope.agents.items() if agent.tube is not None}
     if not disturbed:
@@ -81,9 +81,31 @@ def check_tubes(
     for formula in formulas:
         for node in walk(formula):
             if isinstance(node, Link) and {node.sender, node.receiver} & disturbed:
-                _refuse(node.span, "its links", scope)
+                _check_link(node, scope)
             elif node.swept is not None and _movers(node) & disturbed:
                 _refuse(node.span, "its motion between the steps", scope)
+
+
+def _check_link(link: Link, scope: Scope) -> None:
+    """A link of disturbed agents is known where whatever is worst over a cell is."""
+    channel = scope.channels[link.channel]
+    pair = (link.sender, link.receiver)
+    agents = [scope.agents[name] for name in pair if name in scope.agents]
+    pushed = [a for a in agents if a.tube is not None]
+    tabled = link.quantity is Quantity.COST and channel.has_table(pair)
+    if channel.model is None or tabled:
+        _refuse(link.span, "a link that is given as a table", scope)
+    elif channel.predicate_bound is not Bound.WORST:
+        _refuse(link.span, f"a link with `bound {channel.predicate_bound.value}`", scope)
+    elif any(a.dynamics.altitude is not None for a in pushed):
+        _refuse(link.span, "links in space", scope)
+    elif not all(_stays(a) for a in pushed):
+        _refuse(link.span, "links: nothing keeps it near its plan", scope)
+
+
+def _stays(agent: Agent) -> bool:
+    model, tube = agent.dynamics, agent.tube
+    return tube is None or bool(np.isfinite(tube.widest(model.A, model.B)).all())
 
 
 def _check_tables(formulas: Iterable[Node], scope: Scope) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from itertools import product
 from typing import Literal
 
 import numpy as np
@@ -20,6 +21,7 @@ from stlc.mission import Channel, Mission, TermKind
 from stlc.plan import LinkSeries
 from stlc.verify.subject import Array, Subject
 from stlc.verify.trace import LinkEvaluator
+from stlc.verify.tubes import half_widths
 from stlc.verify.walls import losses
 
 Pair = tuple[str, str]
@@ -112,7 +114,35 @@ class TrueModel:
         given = link.quantity is Quantity.COST and channel.has_table(pair)
         if given or channel.model is None:
             return self.cells.robustness(link, positive)
-        return true_robustness(channel, link, self.values(channel, pair))
+        found = [true_robustness(channel, link, v) for v in self._anywhere(channel, pair)]
+        return np.asarray(np.min(found, axis=0) if positive else np.max(found, axis=0))
+
+    def _anywhere(self, channel: Channel, pair: Pair) -> Iterator[LinkValues]:
+        """The link as planned, and where the ends' tubes have corners, edges and middles."""
+        yield self.values(channel, pair)
+        subject = self.subject
+        corners = [list(_corners(subject, name)) for name in pair]
+        if max(map(len, corners)) == 1:
+            return
+        for moved in product(*corners):
+            ends = {n: subject.positions[n] + off for n, off in zip(pair, moved, strict=True)}
+            shaken = replace(subject, positions={**subject.positions, **ends})
+            yield TrueModel(shaken, self.cells).values(channel, pair)
+
+
+def _corners(subject: Subject, name: str) -> Iterator[Array]:
+    """How far (T+1, 3) [m] a disturbed agent may be off its plan: towards each corner and middle
+    of an edge of its box, and not at all."""
+    mission, past = subject.mission, subject.plan.executed
+    agent = mission.agents.get(name)
+    widths = None if agent is None else half_widths(agent, mission.horizon - past)
+    if agent is None or agent.tube is None or widths is None or agent.dynamics.position is None:
+        yield np.zeros((mission.horizon + 1, 3))
+        return
+    box = np.zeros((mission.horizon + 1, 3))
+    box[past:, :2] = widths[0] @ np.abs(agent.dynamics.position[:2]).T
+    for signs in product((-1.0, 0.0, 1.0), repeat=2):
+        yield box * np.array([*signs, 0.0])
 
 
 def _bare(channel: Channel) -> Channel:

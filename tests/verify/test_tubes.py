@@ -10,8 +10,9 @@ import pytest
 
 from stlc import api
 from stlc.analysis.tubes import spreads
+from stlc.channels import true_robustness, true_values
 from stlc.errors import InfeasibleError, MissionError
-from stlc.ir.nodes import Role
+from stlc.ir.nodes import Link, Role, walk
 from stlc.mission import Agent, Mission
 from stlc.plan import Plan
 from stlc.simulate import simulate
@@ -121,6 +122,7 @@ def test_negations_and_constants_are_strict_too() -> None:
     assert values["up"] == pytest.approx(up, abs=1e-9)
 
 
+HEARD = "rssi(a, base) >= -47 dBm"
 RADIO = """station base at (9, 9)
 channel c { path_loss L0 = -30 dBm, n = 2; partition 5 x 5 }
 """
@@ -135,10 +137,65 @@ channel c { path_loss L0 = -30 dBm, n = 2; partition 5 x 5 }
         ("disturbance 0.1; integer", ASKED, "can't be `integer`"),
         ("disturbance 0.1; turn_rate on", ASKED, "can't be `turn_rate`"),
         ("disturbance 0.1", "require c: always a outside pillar swept", "between the steps"),
-        ("disturbance 0.1", RADIO + "require l: eventually rssi(a, base) >= -60 dBm", "its links"),
+        (
+            "disturbance 0.1",
+            RADIO.replace("5 x 5", "5 x 5; bound centre") + "require l: eventually " + HEARD,
+            "`bound centre`",
+        ),
     ],
 )
 def test_what_no_tube_tells(more: str, asked: str, told: str, tmp_path: Path) -> None:
     with pytest.raises(MissionError) as caught:
         _mission(more, asked)
     assert told in str(caught.value)
+
+
+LINKS = RADIO.replace("5 x 5", "10 x 10") + "require hear: eventually[3, 4] always[0, 2] "
+STILL = "require s: eventually[0, 6] a.x >= 0.5 m\n"
+
+
+@pytest.mark.parametrize(
+    "asked", [HEARD, "P(rssi(a, base) >= -49 dBm) >= 0.9", "rssi(a, base) <= -49 dBm"]
+)
+def test_links_hold_wherever_a_disturbance_carries_their_ends(asked: str) -> None:
+    """No push takes a link below its threshold (or above it), and the verdict knows that."""
+    pushed = "disturbance |w| <= 0.04"
+    mission = _mission(pushed, LINKS.replace("n = 2", "n = 2; fading 1 dB^2") + asked)
+    outcome = api.solve(mission)
+    (told,) = (r.robustness for r in outcome.report.requirements)
+    assert outcome.report.ok
+    rng = np.random.default_rng(1)
+    agent, channel = mission.agents["a"], mission.channels["c"]
+    base = np.tile(mission.stations["base"].place, (7, 1))
+    for _ in range(60):
+        x, _ = _pushed(agent, outcome.plan, 0.04 * rng.choice([-1.0, 1.0], (6, 2)))
+        places = np.column_stack([x[:, :2], np.zeros(7)])
+        (link,) = {n for r in mission.requirements for n in walk(r.formula) if isinstance(n, Link)}
+        values = true_values(mission, channel, ("a", "base"), places, base)
+        held = true_robustness(channel, link, values)
+        best = max(held[t : t + 3].min() for t in (3, 4))
+        assert best >= told - 1e-6
+
+
+def test_a_link_is_judged_at_the_corners_of_a_tube() -> None:
+    """A run on the verge is good where the agent is on its plan, and not where it may be off."""
+    asked = LINKS + "rssi(a, base) >= -46 dBm"
+    runs = [
+        verify(_mission(more, asked), api.solve(_mission(more, STILL + "minimize effort")).plan)
+        for more in ("mass 1 kg", "disturbance |w| <= 0.04")
+    ]
+    calm, shaken = (r.requirements[-1].true for r in runs)
+    assert calm is not None
+    assert shaken is not None
+    assert shaken < calm - 0.05
+
+
+def test_what_stays_near_its_plan_does_so_for_ever() -> None:
+    agent = _mission("disturbance |w| <= 0.04").agents["a"]
+    assert agent.tube is not None
+    whole = agent.tube.widest(agent.dynamics.A, agent.dynamics.B)
+    for horizon in (5, 60):
+        found = spreads(agent, horizon)
+        assert found is not None
+        assert (found[0][-1] <= whole + 1e-12).all()
+    assert found[0][-1] == pytest.approx(whole, rel=1e-3)
