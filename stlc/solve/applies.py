@@ -61,6 +61,18 @@ def may_route(work: Work) -> bool:
     return not late and not two and _is_open(work)
 
 
+def may_box(work: Work) -> bool:
+    """`boxes`: one agent that pays for links with stations, over cells of the plane."""
+    mission = work.compiled.mission
+    if _is_team(work) or not _is_open(work) or TermKind.LINK_COST not in work.kinds:
+        return False
+    terms = [term for term in mission.objective if term.weight != 0]
+    flat = all(channel.partition.axes < 3 for channel in mission.channels.values())
+    return flat and all(t.weight > 0 for t in terms) and work.kinds <= {
+        TermKind.EFFORT, TermKind.LINK_COST
+    }  # fmt: skip
+
+
 def _is_open(work: Work) -> bool:
     """Open to beams: no robustness to maximise, no links that cost, no networks, agents that are
     somewhere, with bounded states and inputs and no turning rate."""

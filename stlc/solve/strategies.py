@@ -4,6 +4,7 @@
     grids           small teams that their inputs move directly: as routes
     turns           teams without a plan: one agent after the other, earlier ones held
     groups          agents that have nothing to do with each other: solved apart
+    boxes           one agent that pays for where it is: runs over boxes and progress
     routes          no plan yet: runs over states and progress, better plans near them
     lone            teams that minimise effort: what each agent does alone, as rows and runs
     neighbourhoods  teams with a plan: a few agents answer the others anew
@@ -139,6 +140,12 @@ def _routes(work: Work) -> Work | Solution:
     return plan_routes(work)
 
 
+def _boxes(work: Work) -> Work | Solution:
+    from stlc.solve.routes.boxed import look_through_boxes
+
+    return look_through_boxes(work)
+
+
 def _lone(work: Work) -> Work:
     from stlc.solve.alone.effort_rows import look_at_each
 
@@ -174,6 +181,7 @@ TURNS = Strategy("turns", applies.may_plan, _turns, heeds_caps=True)
 GROUPS = Strategy("groups", applies.falls_apart, _groups)
 GRIDS = Strategy("grids", applies.may_grid, _routes, heeds_caps=True)
 ROUTES = Strategy("routes", applies.may_route, _routes, heeds_caps=True)
+BOXES = Strategy("boxes", applies.may_box, _boxes, heeds_caps=True)
 LONE = Strategy("lone", applies.has_lone_runs, _lone, heeds_caps=True)
 NEIGHBOURHOODS = Strategy("neighbourhoods", applies.may_improve, _neighbourhoods, heeds_caps=True)
 PARTS = Strategy("parts", applies.has_parts, _parts, heeds_caps=True)
@@ -181,6 +189,6 @@ LINKS = Strategy("links", applies.may_search_links, _links, heeds_caps=True)
 DIVE = Strategy("dive", applies.may_dive, _dive)
 MILP = Strategy("milp", lambda work: True, _solve_whole, heeds_caps=True)
 STRATEGIES: tuple[Strategy, ...] = (
-    BRIEF, GRIDS, TURNS, GROUPS, ROUTES, LONE, NEIGHBOURHOODS, PARTS, LINKS, DIVE, MILP,
+    BRIEF, GRIDS, TURNS, GROUPS, BOXES, ROUTES, LONE, NEIGHBOURHOODS, PARTS, LINKS, DIVE, MILP,
 )  # fmt: skip
 """Every strategy, in the order in which they run; each imports its search when it does."""

@@ -127,6 +127,22 @@ class Route(Record):
     # 38.4 for rounds_40
 
 
+class Boxes(Record):
+    """`routes/boxed.py`: the cheapest runs over boxes of one agent that pays for where it is."""
+
+    glance: float = 1.0  # s of a plain solve ahead of it
+    share: float = 0.4  # of the time that is left, for the glance and for boxes
+    seconds: float = 60.0  # for boxes
+    parts: tuple[int, ...] = (1, 2, 4)  # of the fastest step: how boxes are cut
+    growth: float = 2.0  # how much longer the next cut takes
+    near: tuple[tuple[float, int], ...] = (
+        (1.0, 0), (1.0, 1), (2.0, 1), (2.0, 2), (4.0, 2),
+    )  # fmt: skip
+    # longest boxes and steps: tubes around a run in which plans are looked for
+    near_seconds: float = 3.0
+    better_share: float = 0.5  # of the time that is left, for plans near the plan
+
+
 class Turns(Record):
     """`teams/turns.py`: first plans, one agent after the other."""
 
@@ -176,4 +192,4 @@ BRIEF, PAIR, TEAM, DIVE, LONE, PARTS = (
     Lone(),
     Part(),
 )
-ROUTES, TURNS, NEAR = Route(), Turns(), Near()
+ROUTES, BOXES, TURNS, NEAR = Route(), Boxes(), Turns(), Near()

@@ -26,11 +26,16 @@ PAIR += "require apart: always separation(r1, r2) >= 1 m\n"
 TEAM = PAIR + "agent r3 : single_integrator { start (5, 4); control |u| <= 1.5 }\n"
 TEAM += "require apart3: always (separation(r1, r3) >= 1 m and separation(r2, r3) >= 1 m)\n"
 EFFORT, LEVEL = "minimize effort", "maximize robustness"
+PLACES = """station s at (0, 0)
+channel radio { path_loss L0 = -40 dBm, n = 3; noise_floor -92 dBm; partition 3 x 3 }
+minimize link_cost(radio) + effort
+"""
 
 
 @pytest.mark.parametrize(("text", "names"), [
     (ALONE + EFFORT, ["routes", "milp"]),
     (ALONE + LEVEL, ["dive", "milp"]),
+    (ALONE + PLACES, ["boxes", "routes", "milp"]),
     (PAIR + EFFORT, ["brief", "grids", "lone", "milp"]),
     (TEAM + EFFORT, ["brief", "grids", "turns", "routes", "lone", "milp"]),
     (TEAM.replace("single", "double") + EFFORT, ["brief", "turns", "routes", "lone", "milp"]),

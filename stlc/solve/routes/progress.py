@@ -48,6 +48,11 @@ def span_of(node: Node) -> tuple[int, int]:
     return first, last
 
 
+def _is_of_steps(node: Node) -> bool:
+    """Whether a formula is a conjunction of what is judged at different steps."""
+    return isinstance(node, And) and len({span_of(part) for part in node.args}) > 1
+
+
 def _by_step(node: Node) -> list[Node]:
     """The parts of a formula, those of a conjunction that ask of the same step as one: together
     they may keep an agent in a box where each keeps it on one side of a line."""
@@ -68,9 +73,11 @@ class Progress:
     """Formulas as numbers: TRUE, FALSE, atoms, conjunctions and disjunctions of numbers.
 
     `asserted[t]` are atoms that must hold at step t; `starting[t]` obligations whose first atom is
-    judged there; `atoms_at[t]` the other atoms of step t, in a fixed order.
+    judged there; `atoms_at[t]` the other atoms of step t, in a fixed order. `apart`: a conjunction
+    of what is asked of a step and of the next is two atoms.
     """
 
+    apart: bool = False
     parts: list[tuple[str, frozenset[int]]] = field(default_factory=list)
     first: list[int] = field(default_factory=list)
     atoms: dict[int, Atom] = field(default_factory=dict)
@@ -80,9 +87,9 @@ class Progress:
     _numbers: dict[tuple[object, ...], int] = field(default_factory=dict)
 
     @staticmethod
-    def of(formulas: Iterable[tuple[Node, int]]) -> Progress:
+    def of(formulas: Iterable[tuple[Node, int]], *, apart: bool = False) -> Progress:
         """Of formulas that all hold, each with the number of its requirement."""
-        made = Progress()
+        made = Progress(apart)
         made._number(("true",), "true", frozenset(), 1 << 30)
         made._number(("false",), "false", frozenset(), 1 << 30)
         todo = list(formulas)
@@ -112,7 +119,7 @@ class Progress:
         start, end = span_of(node)
         if end < 0:
             found = self._settled(node, source, done)
-        elif end - start <= 1:
+        elif end - start <= 1 and not (self.apart and _is_of_steps(node)):
             key = ("atom", node, source)
             known = key in self._numbers
             found = self._number(key, "atom", frozenset(), end)

@@ -34,13 +34,15 @@ def tube(compiled: Compiled, states: Mapping[str, Floats], radius: float) -> Mod
 
 
 def within(compiled: Compiled, boxes: Mapping[str, Floats], room: float, steps: int) -> Model:
-    """The model with agents whose states are their position in boxes (2, T+1, 2: low and high),
-    `room` [m] wider to each side, up to so many steps sooner or later."""
+    """The model with agents whose position is two of their states in boxes (2, T+1, 2: low and
+    high), `room` [m] wider to each side, up to so many steps sooner or later."""
     model = compiled.model
     lower, upper = model.col_lower.copy(), model.col_upper.copy()
     for name, run in boxes.items():
         low, high = _sooner_or_later(run, steps)
-        columns = compiled.states[name]
+        position = compiled.mission.agents[name].dynamics.position
+        assert position is not None
+        columns = compiled.states[name][:, position.argmax(axis=1)]
         ends = lower[columns], upper[columns]
         lower[columns] = np.clip(low - room, *ends)
         upper[columns] = np.clip(high + room, *ends)
