@@ -19,8 +19,8 @@ from math import ceil, comb, factorial
 import numpy as np
 
 from stlc.arrays import Floats
+from stlc.dynamics import Dynamics, Flow
 from stlc.matrices import exponential
-from stlc.mission import Dynamics, Flow
 
 MOST_PARTS = 16
 """A part spans one radian, or one time constant, of the fastest mode; twice that at most."""

@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stlc.charges import Charge
+from stlc.dynamics import Dynamics
 from stlc.ir.requirement import Requirement
 from stlc.places import Obstacle, Polytope, Region, Wall
 from stlc.preferences import Preference
-from stlc.robots import Robot, RobotKind
+from stlc.robots import Robot
 from stlc.sense import Sense
 from stlc.source import Source, Span
 from stlc.tubes import Tube
@@ -31,60 +32,6 @@ if TYPE_CHECKING:
     from stlc.radio.samples import Samples
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Flow:
-    """x' = A x + B u + drift, the input constant within a step: the motion between samples."""
-
-    A: Array
-    B: Array
-    drift: Array
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Dynamics:
-    """x(t+1) = A x(t) + B u(t) + drift, discrete time.
-
-    A (n, n), B (n, m), drift (n,). `position` (2, n) maps a state to its position [m], or is None
-    for an agent that is nowhere. `velocity` are the two or three state indices of its derivative.
-    `altitude` (n,) maps it to its height [m], or is None for one that stays at height 0.
-    Between samples the state follows `flow`, whose zero-order hold A, B and drift are; with none,
-    it moves on a straight line if `straight`, and else nothing is known of it.
-    `outputs` name further linear signals: (c (n,), d (m,), constant, unit). `robot` drives behind.
-    """
-
-    name: str
-    A: Array
-    B: Array
-    drift: Array
-    states: tuple[str, ...]
-    inputs: tuple[str, ...]
-    state_units: tuple[str, ...]
-    input_units: tuple[str, ...]
-    position: Array | None = None
-    velocity: tuple[int, ...] | None = None
-    flow: Flow | None = None
-    straight: bool = False
-    outputs: Mapping[str, tuple[Array, Array, float, str]] = field(default_factory=dict)
-    span: Span | None = None
-    altitude: Array | None = None
-    robot: RobotKind | None = None
-
-    @property
-    def space(self) -> Array | None:
-        """(3, n): x, y and height [m]; None for an agent that is nowhere."""
-        if self.position is None:
-            return None
-        height = np.zeros(len(self.A)) if self.altitude is None else self.altitude
-        return np.vstack([self.position, height])
-
-    @property
-    def axes(self) -> Array:
-        """Rows (k, n) of its coordinates: none, x and y, or x, y and height."""
-        if self.position is None:
-            return np.empty((0, len(self.A)))
-        return self.position if self.altitude is None else np.vstack([self.position, self.altitude])
 
 
 class PolygonKind(Enum):

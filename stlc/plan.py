@@ -215,15 +215,14 @@ def shifted(plan: Plan, steps: int, agents: Mapping[str, Agent]) -> Plan:
 def _advance(run: Run, steps: int, agent: Agent) -> tuple[Array, Array]:
     """The run from `steps` on, lengthened to its old length by inputs that keep the last state as
     nearly as bounds allow."""
-    model = agent.dynamics
     states, inputs = list(run.states[steps:]), list(run.inputs[steps:])
     for _ in range(steps):
-        x = states[-1]
-        drift = model.A @ x + model.drift
-        u = np.linalg.lstsq(model.B, x - drift, rcond=None)[0]
+        x, law = states[-1], agent.dynamics.law(len(inputs))
+        drift = law.A @ x + law.drift
+        u = np.linalg.lstsq(law.B, x - drift, rcond=None)[0]
         u = np.clip(np.rint(u) if agent.integer_inputs else u, agent.input_lower, agent.input_upper)
         inputs.append(u)
-        states.append(drift + model.B @ u)
+        states.append(drift + law.B @ u)
     width = run.inputs.shape[1]
     return np.array(states), np.array(inputs).reshape(len(inputs), width)
 

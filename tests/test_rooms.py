@@ -124,6 +124,7 @@ def _room(module: str) -> str:
         "certificate": "plan", "plan_json": "plan", "plan_reader": "plan", "plan_place": "plan",
         "places": "mission", "preferences": "mission",
         "charges": "mission", "link_places": "channels", "tubes": "mission", "robots": "mission",
+        "dynamics": "mission",
     }  # fmt: skip
     return parts.get(room, room)  # rooms in several files
 

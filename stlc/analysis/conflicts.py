@@ -67,19 +67,19 @@ def tubes(agent: Agent, ranges: Ranges, demands: Sequence[Demand]) -> tuple[Floa
     for k, demand in enumerate(demands):
         low[k, list(demand.steps)] = np.maximum(low[k, list(demand.steps)], demand.lower)
         high[k, list(demand.steps)] = np.minimum(high[k, list(demand.steps)], demand.upper)
-    A, B = agent.dynamics.A, agent.dynamics.B
+    A, B, drift = agent.dynamics.over(len(ranges.input_lower))
     plus, minus = np.maximum(A, 0), np.minimum(A, 0)
     a, b = B * ranges.input_lower[:, None, :], B * ranges.input_upper[:, None, :]
-    least = np.minimum(a, b).sum(axis=2) + agent.dynamics.drift
-    most = np.maximum(a, b).sum(axis=2) + agent.dynamics.drift
+    least = np.minimum(a, b).sum(axis=2) + drift
+    most = np.maximum(a, b).sum(axis=2) + drift
     for _ in range(2):
         for t in range(len(least)):
-            forward_low = low[:, t] @ plus.T + high[:, t] @ minus.T + least[t]
-            forward_high = high[:, t] @ plus.T + low[:, t] @ minus.T + most[t]
+            forward_low = low[:, t] @ plus[t].T + high[:, t] @ minus[t].T + least[t]
+            forward_high = high[:, t] @ plus[t].T + low[:, t] @ minus[t].T + most[t]
             np.maximum(low[:, t + 1], forward_low, out=low[:, t + 1])
             np.minimum(high[:, t + 1], forward_high, out=high[:, t + 1])
         for t in reversed(range(len(least))):
-            _back(A, low, high, t, least[t], most[t])
+            _back(A[t], low, high, t, least[t], most[t])
     return low, high
 
 

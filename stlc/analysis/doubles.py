@@ -69,10 +69,10 @@ def check_products(
 
     `states` (T+1, n) and `inputs` (T, m) are lower and upper ends.
     """
-    model = agent.dynamics
     x, u = (np.fmax(*(finite_size(end) for end in ends)) for ends in (states, inputs))
     with np.errstate(over="ignore"):
-        size = x[:-1] @ np.abs(model.A).T + u @ np.abs(model.B).T + np.abs(model.drift)
+        A, B, drift = (np.abs(part) for part in agent.dynamics.over(len(u)))
+        size = np.einsum("tij,tj->ti", A, x[:-1]) + np.einsum("tij,tj->ti", B, u) + drift
     broken = ~np.isfinite(size)
     if broken.any():
         step, index = np.unravel_index(int(broken.argmax()), broken.shape)

@@ -1,11 +1,13 @@
 """Interval reach sets from the start on: what bounds and dynamics say before any requirement does.
 
 Exact for box inputs without state bounds (support functions of the reach set along the axes):
-x_t = A^t x_0 + sum_k A^k (B u + drift).
+x_t = A^t x_0 + sum_k A^k (B u + drift), and with P(t, k) = A_t-1 .. A_k of laws that vary
+x_t = P(t, 0) x_0 + sum_k P(t, k + 1) (B_k u + drift_k).
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -94,22 +96,18 @@ def _clip_workspace(box: Box, workspace: Polytope | None) -> None:
         box.x_upper[:, used[0]] = np.minimum(box.x_upper[:, used[0]], ends[1])
 
 
+_Reach = tuple[Floats, Floats, Floats]
+"""P(t, 0) (n, n), and the least and the most (n,) of what inputs and drifts add up to."""
+
+
 def _forward(box: Box) -> None:
-    """Narrow the states by x_t = A^t x_0 + sum_k A^k (B u + drift), u within its box."""
-    dynamics = box.agent.dynamics
-    power = np.eye(len(dynamics.A))
+    """Narrow the states by what the start, and inputs within their box, can make of them."""
     centre = box.agent.start.astype(float)
-    low = high = np.zeros(len(centre))
     spread = [end - centre for end in box.agent.starts or (centre, centre)]
+    reached = _varying(box) if box.agent.dynamics.varies else _steady(box)
     with np.errstate(over="ignore", invalid="ignore"):
-        for step in range(len(box.u_lower)):
-            gain = power @ dynamics.B
-            # Inputs are bounded alike at all steps, so step 0's box serves every power.
-            ends = image(gain, box.u_lower[0], box.u_upper[0])
-            low = low + ends[0] + power @ dynamics.drift
-            high = high + ends[1] + power @ dynamics.drift
-            power = dynamics.A @ power
-            centre = dynamics.A @ centre
+        for step, (power, low, high) in enumerate(reached):
+            centre = box.agent.dynamics.law(step).A @ centre
             about = image(power, *spread)
             size = np.abs(centre) + finite_size(low) + finite_size(high)
             slack = SLACK + ROUNDING * (step + 1) * size
@@ -117,6 +115,33 @@ def _forward(box: Box) -> None:
             _meet(box, step + 1, *ends)
             if (box.x_lower[step + 1] > box.x_upper[step + 1]).any():
                 return  # `propagate` says so
+
+
+def _steady(box: Box) -> Iterator[_Reach]:
+    """Step by step, with the same matrices at all of them."""
+    dynamics = box.agent.dynamics
+    power = np.eye(len(dynamics.A))
+    low = high = np.zeros(len(power))
+    for _ in range(len(box.u_lower)):
+        # Inputs are bounded alike at all steps, so step 0's box serves every power.
+        ends = image(power @ dynamics.B, box.u_lower[0], box.u_upper[0])
+        low = low + ends[0] + power @ dynamics.drift
+        high = high + ends[1] + power @ dynamics.drift
+        power = dynamics.A @ power
+        yield power, low, high
+
+
+def _varying(box: Box) -> Iterator[_Reach]:
+    """Step by step, each with its own matrices: what every earlier input has become by then."""
+    dynamics = box.agent.dynamics
+    n, m = dynamics.B.shape
+    power, drift, gains = np.eye(n), np.zeros(n), np.empty((0, n, m))
+    for step in range(len(box.u_lower)):
+        law = dynamics.law(step)
+        power, drift = law.A @ power, law.A @ drift + law.drift
+        gains = np.concatenate([law.A @ gains, law.B[None]])
+        ends = image(gains, box.u_lower[0], box.u_upper[0])
+        yield power, ends[0].sum(axis=0) + drift, ends[1].sum(axis=0) + drift
 
 
 def _meet(box: Box, step: int, low: Floats, high: Floats) -> None:

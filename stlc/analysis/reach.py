@@ -40,10 +40,9 @@ def propagate(boxes: Mapping[str, Box], musts: Sequence[tuple[Linear, float]]) -
         for predicate, level in musts:
             _apply(boxes, predicate, level)
         for name, box in boxes.items():
-            matrix = np.hstack([box.agent.dynamics.A, box.agent.dynamics.B])
             steps = range(len(box.u_lower))
             for step in (*steps, *reversed(steps)):
-                _narrow(box, matrix, step, known[name])
+                _narrow(box, step, known[name])
             _check(box, "what the requirements demand" if musts else "its bounds")
         if np.allclose(before, [_width(box) for box in boxes.values()], rtol=0.0, atol=1e-6):
             return
@@ -59,16 +58,17 @@ def _width(box: Box) -> float:
     return float(np.where(np.isfinite(widths), widths, 1e6).sum())
 
 
-def _narrow(box: Box, matrix: Floats, step: int, known: _Known) -> None:
+def _narrow(box: Box, step: int, known: _Known) -> None:
     """`_equalities`; intervals seen at another step are not worked out again, so that a long
     horizon costs as much as the steps at which something happens."""
     parts = (
         box.x_lower[step], box.u_lower[step], box.x_lower[step + 1],
         box.x_upper[step], box.u_upper[step], box.x_upper[step + 1],
     )  # fmt: skip
-    key = b"".join(part.tobytes() for part in parts)
+    law = box.agent.dynamics.number(step).to_bytes(4, "big")
+    key = b"".join((law, *(part.tobytes() for part in parts)))
     if key not in known:
-        _equalities(box, matrix, step)
+        _equalities(box, step)
         known[key] = [part.copy() for part in parts]
         return
     for part, values in zip(parts, known[key], strict=True):
@@ -76,16 +76,17 @@ def _narrow(box: Box, matrix: Floats, step: int, known: _Known) -> None:
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")  # to ends that say nothing
-def _equalities(box: Box, matrix: Floats, step: int) -> None:
+def _equalities(box: Box, step: int) -> None:
     """x_{t+1} = [A B] [x_t; u_t] + drift, both ways, all rows at once."""
-    n = box.x_lower.shape[1]
+    n, law = box.x_lower.shape[1], box.agent.dynamics.law(step)
+    matrix = np.hstack([law.A, law.B])
     low = np.concatenate([box.x_lower[step], box.u_lower[step]])
     high = np.concatenate([box.x_upper[step], box.u_upper[step]])
     a = np.where(matrix == 0, 0.0, matrix * low)
     b = np.where(matrix == 0, 0.0, matrix * high)
     least, most = np.minimum(a, b), np.maximum(a, b)
     least[least == np.inf], most[most == -np.inf] = -np.inf, np.inf  # overflowed
-    drift = box.agent.dynamics.drift
+    drift = law.drift
     next_low, next_high = box.x_lower[step + 1], box.x_upper[step + 1]
     size = (finite_size(least) + finite_size(most)).sum(axis=1) + np.abs(drift)
     rounding = ROUNDING * (size + finite_size(next_low) + finite_size(next_high))

@@ -186,16 +186,17 @@ def analyse(agent: Agent, ranges: Ranges, stages: list[Stage], sweeps: int) -> S
 
 
 def _input_interval(agent: Agent, ranges: Ranges, t: int) -> tuple[Floats, Floats]:
-    gain = agent.dynamics.B
+    law = agent.dynamics.law(t)
+    gain, drift = law.B, law.drift
     a, b = gain * ranges.input_lower[t], gain * ranges.input_upper[t]
-    drift = agent.dynamics.drift
     return np.minimum(a, b).sum(axis=1) + drift, np.maximum(a, b).sum(axis=1) + drift
 
 
 def _step(agent: Agent, ranges: Ranges, stages: Sequence[Stage], t: int) -> Bools:
     """Which pairs of boxes (k, l) of steps t and t + 1 a run can take; narrows those of t + 1."""
     here, there = stages[t], stages[t + 1]
-    plus, minus = np.maximum(agent.dynamics.A, 0), np.minimum(agent.dynamics.A, 0)
+    A = agent.dynamics.law(t).A
+    plus, minus = np.maximum(A, 0), np.minimum(A, 0)
     least, most = _input_interval(agent, ranges, t)
     below, above = here.finite()
     low = below @ plus.T + above @ minus.T + least
@@ -210,7 +211,7 @@ def _step(agent: Agent, ranges: Ranges, stages: Sequence[Stage], t: int) -> Bool
 def _step_back(agent: Agent, ranges: Ranges, stages: Sequence[Stage], t: int) -> Bools:
     """x_t from A x_t = x_{t+1} - B u - drift, one row and one variable at a time."""
     here, there = stages[t], stages[t + 1]
-    A = agent.dynamics.A
+    A = agent.dynamics.law(t).A
     least, most = _input_interval(agent, ranges, t)
     (below, above), (next_low, next_high) = here.finite(), there.finite()
     pair_low = np.repeat(here.lower[:, None, :], len(there.lower), axis=1)

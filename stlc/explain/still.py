@@ -29,6 +29,7 @@ def still(mission: Mission) -> Trajectories | None:
 def _drift(agent: Agent, steps: int) -> np.ndarray:
     """States (T+1, n) with no input."""
     states = [agent.start.astype(float)]
-    for _ in range(steps):
-        states.append(agent.dynamics.A @ states[-1] + agent.dynamics.drift)
+    for step in range(steps):
+        law = agent.dynamics.law(step)
+        states.append(law.A @ states[-1] + law.drift)
     return np.array(states)

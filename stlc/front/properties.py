@@ -42,8 +42,8 @@ def _property(key: str, value: Any) -> str:
         return f"path_loss L0 = {_level(level)}, n = {written(exponent)}"
     if key == "partition":
         return f"partition {value if isinstance(value, str) else ' x '.join(map(written, value))}"
-    if key == "samples":
-        return f'samples "{value}"'
+    if key in ("samples", "laws"):
+        return f'{key} "{value}"'
     return _bound(key, value)
 
 

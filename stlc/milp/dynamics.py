@@ -72,21 +72,21 @@ def _within(
 
 
 def _add_dynamics(ctx: Context, agent: Agent) -> None:
-    """x(t+1) - A x(t) - B u(t) = drift, only over the nonzero entries; step-major."""
+    """x(t+1) - A_t x(t) - B_t u(t) = drift_t, only over the nonzero entries; step-major."""
     x, u = ctx.states[agent.name], ctx.inputs[agent.name]
     steps, n = len(u), x.shape[1]
     if steps == 0:
         ctx.layout.dynamics[agent.name] = np.empty((0, n), np.int64)
         return
-    parts = [(np.eye(n), x[1:]), (-agent.dynamics.A, x[:-1]), (-agent.dynamics.B, u)]
-    offsets = np.arange(steps)[:, None] * n
+    A, B, drifts = agent.dynamics.over(steps)
+    parts = [(np.broadcast_to(np.eye(n), A.shape), x[1:]), (-A, x[:-1]), (-B, u)]
     rows, cols, values = [], [], []
-    for matrix, block in parts:
-        i, j = np.nonzero(matrix)
-        rows.append((offsets + i).ravel())
-        cols.append(block[:, j].ravel())
-        values.append(np.tile(matrix[i, j], steps))
-    drift = np.tile(agent.dynamics.drift, steps)
+    for matrices, block in parts:
+        t, i, j = np.nonzero(matrices)
+        rows.append(t * n + i)
+        cols.append(block[t, j])
+        values.append(matrices[t, i, j])
+    drift = drifts.ravel()
     made = ctx.builder.add_rows(
         f"dynamics_{agent.name}",
         np.concatenate(rows), np.concatenate(cols), np.concatenate(values),

@@ -24,10 +24,11 @@ import numpy as np
 from stlc.analysis.link_tables import LinkTables
 from stlc.analysis.ranges import Ranges
 from stlc.analysis.reach import reach
+from stlc.dynamics import Dynamics
 from stlc.errors import UsageError
 from stlc.ir.nodes import And, Linear, Link, Node, Not, Or, Role, Signal, walk
 from stlc.ir.requirement import Requirement
-from stlc.mission import Agent, Cap, Dynamics, Mission, ObjectiveTerm, TermKind
+from stlc.mission import Agent, Cap, Mission, ObjectiveTerm, TermKind
 from stlc.preferences import Measure, Preference
 
 

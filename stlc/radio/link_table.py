@@ -38,6 +38,26 @@ def read_table(path: str | Path, name: str | None = None) -> Array:
 
 def _read_npz(path: Path, name: str | None) -> Array:
     """One array of an archive, finite numbers in one or two axes; DataError otherwise."""
+    where, values = DataLocation(str(path)), read_array(path, name)
+    if values.ndim not in (1, 2):
+        text = f"array of shape {values.shape} and type {values.dtype}"
+        raise DataError(text, where, "expected one or two axes of numbers")
+    return np.asarray(np.atleast_2d(values))
+
+
+def names_in(path: Path) -> tuple[str, ...]:
+    """Names of the arrays in an archive. Raises DataError."""
+    where = DataLocation(str(path))
+    try:
+        with zipfile.ZipFile(io.BytesIO(read_content(path))) as archive:
+            return tuple(m.removesuffix(".npy") for m in archive.namelist())
+    except (OSError, ValueError, NotImplementedError, zipfile.BadZipFile) as error:
+        raise DataError(f"cannot read the file: {error}", where) from error
+
+
+def read_array(path: Path, name: str | None = None) -> Array:
+    """One array of an NPZ (never pickled): finite numbers in any number of axes. Raises
+    DataError."""
     where = DataLocation(str(path))
     data = read_content(path)
     if data[:6] == b"\x93NUMPY":
@@ -50,13 +70,13 @@ def _read_npz(path: Path, name: str | None) -> Array:
     except (OSError, EOFError, ValueError, KeyError, NotImplementedError, RuntimeError,
             zipfile.BadZipFile, zlib.error) as error:  # fmt: skip
         raise DataError(f"cannot read the file: {error}", where) from error
-    if values.ndim not in (1, 2) or values.dtype.kind not in "fiu":
+    if values.dtype.kind not in "fiu":
         text = f"array of shape {values.shape} and type {values.dtype}"
         raise DataError(text, where, "expected one or two axes of numbers")
-    table = np.asarray(np.atleast_2d(values.astype(np.float64)))
-    if not np.isfinite(table).all():
+    found = np.asarray(values.astype(np.float64))
+    if not np.isfinite(found).all():
         raise DataError("the table holds values that are not finite", where)
-    return table
+    return found
 
 
 def _choice(members: Sequence[str], name: str | None, where: DataLocation) -> str:

@@ -83,10 +83,11 @@ def remaining(mission: Mission, past: Past) -> Remaining:
 
 
 def _started(mission: Mission, past: Past) -> Mission:
-    """With agents that begin where they were measured, robots with the heading that their
-    controller has given them on the way."""
+    """With agents that begin where they were measured, by the laws from now on, robots with the
+    heading that their controller has given them on the way."""
     agents = {
-        name: replace(agent, start=past.states[name][-1]) for name, agent in mission.agents.items()
+        name: replace(agent, start=past.states[name][-1], dynamics=agent.dynamics.since(past.step))
+        for name, agent in mission.agents.items()
     }
     runs = _as_plan(replace(mission, horizon=past.step), past).runs
     for name, agent in mission.agents.items():

@@ -173,8 +173,9 @@ def _tail(old: Plan, past: Past, left: Mission) -> Plan:
         given = old.runs[name].inputs[past.step :]
         inputs[name] = np.clip(given, agent.input_lower, agent.input_upper)
         run = [np.asarray(agent.start, dtype=np.float64)]
-        for u in inputs[name]:
-            run.append(agent.dynamics.A @ run[-1] + agent.dynamics.B @ u + agent.dynamics.drift)
+        for t, u in enumerate(inputs[name]):
+            law = agent.dynamics.law(t)
+            run.append(law.A @ run[-1] + law.B @ u + law.drift)
         states[name] = np.array(run)
     return make_plan(left, states, inputs)
 

@@ -59,6 +59,7 @@ class SimulatedWorld:
     channels: dict[str, TrueChannel] = field(init=False)
     pairs: Sequence[tuple[str, Pair]] = field(init=False)
     means: dict[tuple[str, Pair], list[float]] = field(default_factory=dict)
+    now: int = 0  # the step that it is at
 
     def __post_init__(self) -> None:
         self.pairs = [
@@ -73,7 +74,7 @@ class SimulatedWorld:
 
     def begin(self) -> Measured:
         """Where agents start, off by their `start_noise`."""
-        states = {}
+        states, self.now = {}, 0
         for name, agent in self.mission.agents.items():
             off = agent.start_noise
             push = 0.0 if off is None else off * self.rng.standard_normal(len(off))
@@ -86,12 +87,13 @@ class SimulatedWorld:
             name: self._moved(agent, states[name], inputs[name])
             for name, agent in self.mission.agents.items()
         }
+        self.now += 1
         return self._measured(after)
 
     def _moved(self, agent: Agent, x: Floats, u: Floats) -> Floats:
-        model, shake = agent.dynamics, agent.input_noise
+        law, shake = agent.dynamics.law(self.now), agent.input_noise
         push = 0.0 if shake is None else shake * self.rng.standard_normal(len(shake))
-        return np.asarray(model.A @ x + model.B @ (u + push) + model.drift)
+        return np.asarray(law.A @ x + law.B @ (u + push) + law.drift)
 
     def _measured(self, states: Mapping[str, Floats]) -> Measured:
         heard = []

@@ -1,4 +1,4 @@
-"""Agents, families of agents, and stations."""
+"""Agents, and families of agents."""
 
 from __future__ import annotations
 
@@ -7,18 +7,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from stlc.mission import Agent, Array, Dynamics, Station, TurnRate
+from stlc.dynamics import Dynamics
+from stlc.mission import Agent, Array, TurnRate
 from stlc.sema import noise, props, robots
 from stlc.sema.bounds import Bounds, apply
 from stlc.sema.dynamics import STRUCTURE, dynamics
+from stlc.sema.files import Files
 from stlc.sema.heights import antenna
-from stlc.sema.integrators import KINDS, ROBOTS
+from stlc.sema.integrators import KINDS, ROBOTS, named
 from stlc.sema.members import unit_of
 from stlc.sema.name_errors import UnknownName, WrongKind
 from stlc.sema.report import Mistake, Reported, suggested_fix, suggestion
 from stlc.sema.scope import EMPTY, Scope
 from stlc.sema.shape_errors import FrozenAtStart, MissingStart, TurnRateNeeds
-from stlc.sema.shapes import Shaper, near
+from stlc.sema.shapes import near
 from stlc.sema.tubes import tube_of
 from stlc.sema.units import KILOGRAM, METRE, SPEED
 from stlc.sema.values import Env, Items, Radio, Scalar
@@ -156,8 +158,7 @@ def model_of(name: ast.Ident, scope: Scope) -> tuple[Dynamics, list[ast.Property
         keys = {*robots.known(model, PROPERTIES), *model.states, *model.inputs} - {*STRUCTURE}
         return model, [p for p in found.properties if p.key.text in keys]
     if found is None and name.text in KINDS:
-        statement = ast.DynamicsDecl(name.span, name, name, ())
-        return dynamics(statement, (), scope), []
+        return named(name, props.Block(f"dynamics `{name.text}`", {}), scope), []
     known = [n for n, d in scope.declarations.items() if isinstance(d, ast.DynamicsDecl)]
     known += KINDS
     hint = suggestion(name.text, known, "declare it: `dynamics cart = double_integrator`")
@@ -165,14 +166,14 @@ def model_of(name: ast.Ident, scope: Scope) -> tuple[Dynamics, list[ast.Property
     raise Mistake(UnknownName(span=name.span, name=name.text, hint=hint, fix=fix))
 
 
-def declare_dynamics(statement: ast.DynamicsDecl, scope: Scope) -> None:
+def declare_dynamics(statement: ast.DynamicsDecl, scope: Scope, files: Files) -> None:
     """Declare dynamics; bounds in their block are left for the agents."""
     name = statement.name.text
-    robot = statement.kind is not None and statement.kind.text in ROBOTS
-    bounding = (*PROPERTIES, *(robots.PROPERTIES if robot else ()))
+    kind = "" if statement.kind is None else statement.kind.text
+    bounding = (*PROPERTIES, *(robots.PROPERTIES if kind in ROBOTS else ()))
     structure = [p for p in statement.properties if p.key.text not in bounding]
     try:
-        made = dynamics(statement, structure, scope)
+        made = dynamics(statement, structure, scope, files)
     except (Mistake, Reported):
         scope.broken.add(name)
         raise
@@ -281,20 +282,3 @@ def _turn_rate(
     if literal and not np.any(made.start[list(velocity)]):
         raise Mistake(FrozenAtStart(span=item.span, name=made.name))
     return TurnRate(u_max, v_max, directions, literal, options["rest_speed"], item.span)
-
-
-def station(statement: ast.StationDecl, shaper: Shaper) -> None:
-    """Declare a station. Raises Mistake."""
-    scope, name = shaper.scope, statement.name.text
-    try:
-        place = np.array(shaper.point(statement.position))
-        owner = f"station `{name}`"
-        block = props.block(owner, statement.properties, ("height",), scope)
-        item = block.get("height")
-        height = 0.0 if item is None else props.number(item, METRE, "height 2 m", scope)
-    except (Mistake, Reported):
-        scope.broken.add(name)
-        raise
-    made = Station(name, place, height, statement.name.span)
-    scope.stations[name] = made
-    scope.values[name] = Radio(made)

@@ -32,6 +32,7 @@ from stlc.sema.scope import Scope
 from stlc.sema.shapes import Shaper
 from stlc.sema.signals import ByTheClock, check_known, read_signals
 from stlc.sema.statements import of, single
+from stlc.sema.stations import station
 from stlc.sema.time_errors import BadStep
 from stlc.sema.tubes import check_tubes
 from stlc.sema.unit_errors import UnknownUnit
@@ -137,9 +138,9 @@ def _declare_all(statements: list[ast.Statement], shaper: Shaper, files: Files) 
     _each(_first(statements, ast.ObstacleDecl, scope), shaper.obstacle, report)
     _each(_first(statements, ast.WallDecl, scope), lambda s: declare_wall(s, shaper), report)
     first = _first(statements, ast.DynamicsDecl, scope)
-    _each(first, lambda s: agents.declare_dynamics(s, scope), report)
+    _each(first, lambda s: agents.declare_dynamics(s, scope, files), report)
     _each(_first(statements, ast.AgentDecl, scope), lambda s: agents.declare(s, scope), report)
-    _each(_first(statements, ast.StationDecl, scope), lambda s: agents.station(s, shaper), report)
+    _each(_first(statements, ast.StationDecl, scope), lambda s: station(s, shaper), report)
     radios = _first(statements, ast.ChannelDecl, scope)
     _each(radios, lambda s: channels.declare(s, scope, files), report)
 

@@ -8,7 +8,8 @@ from typing import Literal
 
 import numpy as np
 
-from stlc.mission import Array, Dynamics, NormBound, PolygonKind
+from stlc.dynamics import Dynamics
+from stlc.mission import Array, NormBound, PolygonKind
 from stlc.sema import props
 from stlc.sema.members import unit_of
 from stlc.sema.name_errors import WrongKind

@@ -8,31 +8,33 @@ from dataclasses import replace
 
 import numpy as np
 
+from stlc.dynamics import Dynamics, Flow, Law
 from stlc.ir.nodes import Role, Signal
-from stlc.mission import Array, Dynamics, Flow
+from stlc.mission import Array
 from stlc.sema import props
 from stlc.sema.compare import unit_name
 from stlc.sema.discretise import discretised
+from stlc.sema.files import Files
 from stlc.sema.flow import held_flow
 from stlc.sema.integrators import named
+from stlc.sema.laws import given_laws
 from stlc.sema.members import unit_of
 from stlc.sema.name_errors import Redeclared, UnknownName
 from stlc.sema.report import Mistake, suggested_fix, suggestion
 from stlc.sema.scope import Scope
-from stlc.sema.shape_errors import MatrixShape, MissingMatrix
 from stlc.sema.units import METRE, SPEED, UnknownUnitName, parse_unit
 from stlc.sema.values import Env, Scalar, Value
 from stlc.syntax import ast
 
 STRUCTURE = (
-    "A", "B", "c", "continuous", "straight", "states", "inputs", "state_units", "input_units",
-    "position", "velocity", "output", "outputs", "dimensions",
+    "A", "B", "c", "laws", "continuous", "straight", "states", "inputs", "state_units",
+    "input_units", "position", "velocity", "output", "outputs", "dimensions",
 )  # fmt: skip
 _UNNAMED = re.compile(r"[xu]\d+|[pvu][xyz]")  # states and inputs that nobody named
 
 
 def dynamics(
-    statement: ast.DynamicsDecl, properties: Sequence[ast.Property], scope: Scope
+    statement: ast.DynamicsDecl, properties: Sequence[ast.Property], scope: Scope, files: Files
 ) -> Dynamics:
     """The dynamics that a declaration means. Raises Mistake."""
     plain, outputs = split_outputs(properties)
@@ -43,7 +45,7 @@ def dynamics(
     bounds = [item for item in rest if _may_be_named(item.key.text, block)]
     _report_unknown(owner, [item for item in rest if item not in bounds], (), scope)
     if statement.kind is None:
-        base = from_matrices(statement, block, scope)
+        base = from_matrices(statement, block, scope, files)
     else:
         base = named(statement.kind, block, scope)
     _report_unknown(owner, bounds, (*base.states, *base.inputs), scope)
@@ -91,14 +93,21 @@ def split_outputs(
 # --- matrices ------------------------------------------------------------------------------------
 
 
-def from_matrices(statement: ast.DynamicsDecl, block: props.Block, scope: Scope) -> Dynamics:
-    """x(t+1) = A x + B u + c, or x' = A x + B u + c when `continuous`."""
-    a, b, drift = _matrices(statement, block, scope)
-    n, m = b.shape
-    flow, straight = _between(block, Flow(a, b, drift), scope.step)
+def from_matrices(
+    statement: ast.DynamicsDecl, block: props.Block, scope: Scope, files: Files
+) -> Dynamics:
+    """x(t+1) = A x + B u + c, or x' = A x + B u + c when `continuous`; by step where it varies."""
+    given = given_laws(statement, block, scope, files)
+    n, m = given[0].B.shape
+    first = Flow(given[0].A, given[0].B, given[0].drift)
+    flow, straight = _between(block, None if len(given) > 1 else first, scope.step)
     if block.get("continuous") is not None:
-        name, span = statement.name.text, block.by_key["A"].span
-        a, b, drift = discretised(a, b, drift, scope.step, name, span)
+        name, span = statement.name.text, block.get("A", "laws")
+        where = statement.name.span if span is None else span.span
+        given = [
+            Law(*discretised(law.A, law.B, law.drift, scope.step, name, where)) for law in given
+        ]
+    a, b, drift = given[0].A, given[0].B, given[0].drift
     states = _names(block, "states", "x", n)
     inputs = _names(block, "inputs", "u", m)
     position = _indices(block, "position", states) or _default(states, ("px", "py", "pz"))
@@ -120,50 +129,20 @@ def from_matrices(statement: ast.DynamicsDecl, block: props.Block, scope: Scope)
         straight,
         span=statement.name.span,
         altitude=altitude,
+        laws=tuple(given) if len(given) > 1 else (),
     )
 
 
-def _matrices(
-    statement: ast.DynamicsDecl, block: props.Block, scope: Scope
-) -> tuple[Array, Array, Array]:
-    """A (n, n), B (n, m) and the drift c (n,); a Mistake at the matrix that doesn't fit."""
-    a, b = (_matrix(statement, block, key, scope) for key in ("A", "B"))
-    n = len(a)
-    if a.shape != (n, n):
-        raise Mistake(_wrong_shape(block.by_key["A"], a.shape, (n, n)))
-    if len(b) != n:
-        raise Mistake(_wrong_shape(block.by_key["B"], b.shape, (n, b.shape[1])))
-    item = block.get("c")
-    drift = np.zeros(n)
-    if item is not None:
-        drift = props.matrix(item, scope).ravel()
-        if len(drift) != n:
-            raise Mistake(_wrong_shape(item, drift.shape, (n,)))
-    return a, b, drift
-
-
-def _matrix(statement: ast.DynamicsDecl, block: props.Block, key: str, scope: Scope) -> Array:
-    item = block.get(key)
-    if item is None:
-        span, name = statement.name.span, statement.name.text
-        raise Mistake(MissingMatrix(span=span, name=name, matrix=key))
-    return props.matrix(item, scope)
-
-
-def _wrong_shape(
-    item: ast.Property, found: tuple[int, ...], expected: tuple[int, ...]
-) -> MatrixShape:
-    texts = [" x ".join(str(k) for k in shape) for shape in (found, expected)]
-    return MatrixShape(span=item.span, name=item.key.text, found=texts[0], expected=texts[1])
-
-
-def _between(block: props.Block, given: Flow, dt: float) -> tuple[Flow | None, bool]:
-    """What is known of the motion between samples: its flow, or that it is straight."""
+def _between(block: props.Block, given: Flow | None, dt: float) -> tuple[Flow | None, bool]:
+    """What is known of the motion between samples: its flow, or that it is straight. Nothing but
+    the latter of what varies."""
     item, continuous = block.get("straight"), block.get("continuous") is not None
     if item is not None and continuous:
         raise props.bad(item, "contradicts `continuous`, which says how it moves", "continuous")
     if item is not None:
         return None, True
+    if given is None:
+        return None, False
     return (given if continuous else held_flow(given, dt)), False
 
 

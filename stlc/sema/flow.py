@@ -6,8 +6,8 @@ import warnings
 
 import numpy as np
 
+from stlc.dynamics import Flow
 from stlc.matrices import exponential, logarithm
-from stlc.mission import Flow
 
 _EDGE = 1e-9  # relative: an eigenvalue this near to the negative axis has no real logarithm
 _DUST = 1e-13  # relative: rounding errors of a matrix logarithm

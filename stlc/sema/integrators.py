@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stlc.mission import Dynamics, Flow
+from stlc.dynamics import Dynamics, Flow
 from stlc.robots import RobotKind
 from stlc.sema import props
 from stlc.sema.name_errors import UnknownName

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from stlc.mission import Array, Dynamics
+from stlc.dynamics import Dynamics
+from stlc.mission import Array
 from stlc.sema import props
 from stlc.sema.members import unit_of
 from stlc.sema.scope import Scope

@@ -13,7 +13,7 @@ from stlc.sema.report import Mistake, nearest, suggested_fix, suggestion
 from stlc.sema.scope import EMPTY, Scope, as_scalar, wrong_unit
 from stlc.sema.shape_errors import MatrixShape
 from stlc.sema.units import Unit
-from stlc.sema.values import Env, Items
+from stlc.sema.values import Env, Items, Value
 from stlc.source import Span
 from stlc.syntax import ast
 
@@ -132,8 +132,28 @@ def numbers(expr: ast.Expr, scope: Scope, units: Sequence[Unit | None], env: Env
 
 def matrix(item: ast.Property, scope: Scope) -> Array:
     """`[[1, 0], [0, 1]]`."""
-    usage = f"{item.key.text} = [[1, 0], [0, 1]]"
-    value = scope.value(only(item, usage))
+    return _table(scope.value(only(item, _matrix_usage(item))), item)
+
+
+def matrices(item: ast.Property, scope: Scope) -> list[Array]:
+    """`[[1, 0], [0, 1]]`, or a list of such: one for each step."""
+    value = scope.value(only(item, _matrix_usage(item)))
+    if isinstance(value, Items) and value.items and all(map(_holds_rows, value.items)):
+        return [_table(each, item) for each in value.items]
+    return [_table(value, item)]
+
+
+def _holds_rows(value: Value) -> bool:
+    return isinstance(value, Items) and any(isinstance(row, Items) for row in value.items)
+
+
+def _matrix_usage(item: ast.Property) -> str:
+    return f"{item.key.text} = [[1, 0], [0, 1]]"
+
+
+def _table(value: Value, item: ast.Property) -> Array:
+    """A matrix of constants. Raises Mistake."""
+    usage = _matrix_usage(item)
     if not isinstance(value, Items):
         value = Items((Items((value,)),))
     rows = [r.items if isinstance(r, Items) else (r,) for r in value.items]

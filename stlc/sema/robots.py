@@ -12,7 +12,8 @@ from math import ceil, cos, inf, isclose, pi, sin, tan
 
 import numpy as np
 
-from stlc.mission import Array, Dynamics, NormBound, PolygonKind
+from stlc.dynamics import Dynamics
+from stlc.mission import Array, NormBound, PolygonKind
 from stlc.robots import Robot, RobotKind, Steering
 from stlc.sema import props
 from stlc.sema.name_errors import NotHere

@@ -9,9 +9,10 @@ from math import prod
 from typing import TYPE_CHECKING
 
 from stlc.bezier import Curve
+from stlc.dynamics import Dynamics
 from stlc.ir.claims import Membership
 from stlc.ir.nodes import Node, Signal
-from stlc.mission import Agent, Array, Channel, Dynamics, Station
+from stlc.mission import Agent, Array, Channel, Station
 from stlc.places import Obstacle, Polytope, Region, Wall
 from stlc.sema.name_errors import RecursiveLet, TooDeep, TooLarge, UnknownName, WrongKind
 from stlc.sema.report import Mistake, Report, Reported, suggested_fix, suggestion

@@ -97,10 +97,11 @@ def known_curve(agent: Agent, scope: Scope, span: Span, parts: int | None = None
         return found
     name, model = agent.name, agent.dynamics.name
     problem = f"the discrete matrices of `{name}` don't say how it moves between steps"
-    hint = (
-        f"say `straight` in dynamics `{model}` if it moves straight from sample to sample, "
-        "or give its matrices as `continuous`"
-    )
+    hint = f"say `straight` in dynamics `{model}` if it moves straight from sample to sample"
+    if agent.dynamics.varies:
+        problem = f"how `{name}`, whose matrices change, moves between steps isn't known"
+    else:
+        hint += ", or give its matrices as `continuous`"
     raise Mistake(NoSwept(span=span, problem=problem, hint=hint))
 
 

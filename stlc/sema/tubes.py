@@ -10,8 +10,9 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from stlc.dynamics import Dynamics
 from stlc.ir.nodes import Linear, Link, Node, Quantity, walk
-from stlc.mission import Agent, Array, Bound, Dynamics
+from stlc.mission import Agent, Array, Bound
 from stlc.sema import props
 from stlc.sema.members import unit_of
 from stlc.sema.name_errors import NotHere
@@ -32,6 +33,9 @@ def tube_of(
     """The disturbance of each step's inputs: one bound for all, or one for each. Raises Mistake."""
     if item is None:
         return None
+    if base.varies:
+        problem = "no feedback is known for dynamics that change from step to step"
+        raise Mistake(NotHere(span=item.span, problem=problem, hint="leave out `disturbance`"))
     for other in ("integer", "turn_rate"):
         if block.get(other) is not None:
             problem = f"a disturbed agent can't be `{other}`: feedback changes its inputs"

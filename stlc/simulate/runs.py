@@ -72,7 +72,8 @@ def _run(agent: Agent, run: Run, draws: int, rng: np.random.Generator) -> tuple[
     noise = shake[:, None] * rng.standard_normal((len(inputs), m, draws))
     if agent.tube is None:
         for t, push in enumerate(noise):
-            off[t + 1] = model.A @ off[t] + model.B @ push
+            law = model.law(t)
+            off[t + 1] = law.A @ off[t] + law.B @ push
         return states + off, inputs + noise
     commanded = np.empty(noise.shape)
     drawn = rng.uniform(-1.0, 1.0, noise.shape)

@@ -53,6 +53,8 @@ def run_strategy(
 def run_strategies(strategies: Sequence[Strategy], work: Work) -> Solution:
     """Run those that apply, in order, until one answers or the time is over."""
     for strategy in strategies:
+        if strategy is not MILP and _varies(work.compiled.mission):
+            continue
         if not strategy.heeds_caps and _asks_for_plain(work.compiled.mission):
             continue
         if not strategy.applies(work):
@@ -64,6 +66,11 @@ def run_strategies(strategies: Sequence[Strategy], work: Work) -> Solution:
         if work.proven() or (work.x is not None and work.deadline.over()):
             break
     return work.answer()
+
+
+def _varies(mission: Mission) -> bool:
+    """Whether some agent's matrices change from step to step, which no search reckons with."""
+    return any(agent.dynamics.varies for agent in mission.agents.values())
 
 
 def _asks_for_plain(mission: Mission) -> bool:

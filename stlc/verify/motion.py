@@ -43,11 +43,13 @@ def motion_violations(subject: Subject) -> Iterator[Violation]:
         yield from _turn_rate(agent, ahead, past)
 
 
-def residual(agent: Agent, run: Run) -> Array:
-    """|x(t+1) - A x(t) - B u(t) - drift| (T, n)."""
-    model = agent.dynamics
+def residual(agent: Agent, run: Run, first: int = 0) -> Array:
+    """|x(t+1) - A_t x(t) - B_t u(t) - drift_t| (T, n) of a run that begins at step `first`."""
+    model, predicted = agent.dynamics, np.empty_like(run.states[1:])
     with np.errstate(over="ignore", invalid="ignore"):  # NaN is as far off as infinity
-        predicted = run.states[:-1] @ model.A.T + run.inputs @ model.B.T + model.drift
+        for t, (x, u) in enumerate(zip(run.states[:-1], run.inputs, strict=True)):
+            law = model.law(first + t)
+            predicted[t] = law.A @ x + law.B @ u + law.drift
         gap = np.abs(run.states[1:] - predicted)
     return np.asarray(np.where(np.isnan(gap), np.inf, gap), dtype=np.float64)
 
@@ -78,7 +80,7 @@ def _slack(size: Array | float) -> Array:
 
 
 def _dynamics(agent: Agent, run: Run, first: int) -> Iterator[Violation]:
-    gap = residual(agent, run)
+    gap = residual(agent, run, first)
     names = agent.dynamics.states
 
     def describe(step: int, column: int) -> str:

@@ -15,8 +15,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stlc.dynamics import Dynamics, Flow
 from stlc.matrices import exponential
-from stlc.mission import Agent, Dynamics, Flow, Mission
+from stlc.mission import Agent, Mission
 from stlc.plan import Run
 from stlc.verify.tubes import radius
 

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stlc.channels import ChannelTables
+from stlc.dynamics import Dynamics
 from stlc.errors import UsageError
 from stlc.grids import carried_on
 from stlc.ir.nodes import Role
-from stlc.mission import Dynamics, Mission
+from stlc.mission import Mission
 from stlc.plan import Plan, Run, mission_digest
 from stlc.verify.robots import Drive, drives
 

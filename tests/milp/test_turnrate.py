@@ -10,10 +10,11 @@ from support.worlds import mission, most_robust
 
 from stlc.backends import get
 from stlc.backends.base import SolveOptions, Status
+from stlc.dynamics import Dynamics
 from stlc.ir.nodes import Linear, Role, Signal
 from stlc.ir.requirement import Requirement
 from stlc.milp.compile import compile_mission
-from stlc.mission import Agent, Dynamics, Mission, TurnRate
+from stlc.mission import Agent, Mission, TurnRate
 from stlc.trajectories import Trajectories
 
 

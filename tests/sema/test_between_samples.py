@@ -10,9 +10,9 @@ from scipy.linalg import expm
 
 from stlc.api import loads, solve
 from stlc.bezier import curve
+from stlc.dynamics import Dynamics, Flow
 from stlc.errors import InfeasibleError, MissionError
 from stlc.ir.nodes import Motion, walk
-from stlc.mission import Dynamics, Flow
 from stlc.sema.discretise import zero_order_hold
 from stlc.sema.flow import held_flow
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from stlc.mission import Flow
+from stlc.dynamics import Flow
 from stlc.sema.discretise import zero_order_hold
 from stlc.sema.flow import held_flow
 

@@ -12,11 +12,12 @@ from scipy.optimize import linprog
 from stlc.analysis.ranges import Ranges
 from stlc.backends.base import SolveOptions, Status
 from stlc.backends.highs import Highs
+from stlc.dynamics import Dynamics
 from stlc.milp.builder import ModelBuilder
 from stlc.milp.context import Context
 from stlc.milp.dynamics import add_agents
 from stlc.milp.model import Model
-from stlc.mission import Agent, Channel, Dynamics, Mission, Station
+from stlc.mission import Agent, Channel, Mission, Station
 from stlc.radio.partition import Partition, quadtree, uniform_grid
 from stlc.source import Source
 

@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from stlc.dynamics import Dynamics, Flow
 from stlc.ir.nodes import Always, And, Eventually, Linear, Node, Or, Role, Signal
 from stlc.ir.requirement import Requirement
-from stlc.mission import Agent, Channel, Dynamics, Flow, Mission, Station
+from stlc.mission import Agent, Channel, Mission, Station
 from stlc.places import Obstacle, Polytope, Region
 from stlc.source import Source
 

@@ -8,6 +8,7 @@ from itertools import product
 import numpy as np
 from hypothesis import strategies as st
 
+from stlc.dynamics import Dynamics
 from stlc.ir.networks import Count, Network
 from stlc.ir.nodes import (
     Always,
@@ -27,7 +28,7 @@ from stlc.ir.nodes import (
     Until,
 )
 from stlc.ir.requirement import Requirement
-from stlc.mission import Agent, Dynamics, Mission, ObjectiveTerm, TermKind
+from stlc.mission import Agent, Mission, ObjectiveTerm, TermKind
 from stlc.source import Source
 from stlc.trajectories import Trajectories
 from stlc.verify.robustness import robustness

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from support.missions import agent, roll
 
-from stlc.mission import Dynamics
+from stlc.dynamics import Dynamics
 from stlc.places import Polytope
 from stlc.plan import Run
 from stlc.verify.continuous import distance, inside, separation

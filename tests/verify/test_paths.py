@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stlc.api import loads
-from stlc.mission import Flow
+from stlc.dynamics import Flow
 from stlc.plan import make_plan
 from stlc.verify import verify
 from stlc.verify.chains import Chain

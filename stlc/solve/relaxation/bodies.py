@@ -12,10 +12,11 @@ import numpy as np
 
 from stlc.analysis.ranges import Ranges
 from stlc.arrays import Floats
+from stlc.dynamics import Dynamics
 from stlc.ir.nodes import Linear, Node, Role
 from stlc.ir.rewrite import conjuncts
 from stlc.milp.compile import Compiled
-from stlc.mission import Agent, Dynamics, ObjectiveTerm
+from stlc.mission import Agent, ObjectiveTerm
 from stlc.scales import static_range, steps_of
 from stlc.solve.relaxation.asserted import asserted
 from stlc.solve.relaxation.problem import Axis, Body, Place
