@@ -203,9 +203,8 @@ class Scope:
         value = self.value(expr, env)
         if isinstance(value, Radio):
             return value.thing
-        raise Mistake(
-            WrongKind(span=expr.span, expected="an agent or a station", found=describe(value))
-        )
+        wanted, found = "an agent or a station", describe(value)
+        raise Mistake(WrongKind(span=expr.span, expected=wanted, found=found))
 
     # --- names ----------------------------------------------------------------------------------
 
