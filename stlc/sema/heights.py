@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stlc.mission import Agent, Dynamics, Station
+from stlc.dynamics import Dynamics
+from stlc.mission import Agent, Station
 from stlc.sema import props
 from stlc.sema.channel_errors import BadChannel
 from stlc.sema.report import Mistake
