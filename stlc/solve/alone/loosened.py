@@ -5,6 +5,8 @@ those pairs lie in one polygon of how far apart two agents are (or of where an a
 station). A mission that asks for the polygon alone asks for less, and needs no cells:
 
     link(a, b) good  ->  n . (p_a - p_b) <= max over good (i, j) of (max_i n . p - min_j n . p)
+
+Of agents that fly, this is about the places that they are above.
 """
 
 from __future__ import annotations
@@ -70,7 +72,7 @@ class _Links:
         if not good.any() or not moving:
             return Const(bool(good.any()))
         partition = self.mission.channels[link.channel].partition
-        low, high = partition.low - _ROOM, partition.high + _ROOM
+        low, high = partition.low[:, :2] - _ROOM, partition.high[:, :2] + _ROOM
         angles = 2 * np.pi * np.arange(_SIDES) / _SIDES
         sides = np.round(np.stack([np.cos(angles), np.sin(angles)], 1), 12)
         return And(tuple(

@@ -104,3 +104,27 @@ def test_wherever_a_link_is_good_the_polygon_holds(talk: str) -> None:
         for side in sides:
             value = sum(v * places[s.owner][s.index] for s, v in side.terms)
             assert value + side.constant >= 0
+
+
+def test_links_of_agents_that_fly_have_a_polygon_on_the_ground() -> None:
+    mission = loads("""horizon 4
+workspace box [0, 20] x [0, 8]
+dynamics drone = single_integrator { dimensions 3; pz in [0, 9]; control |u| <= 5 }
+agent a : drone { start (1, 1, 1) }
+agent b : drone { start (1, 7, 1) }
+region far = box [15, 20] x [0, 8]
+channel radio { path_loss L0 = -40 dBm; n = 2; partition 5 x 2 x 3 }
+require reach: eventually a in far
+require talk: always rssi(a, b) >= -62 dBm
+minimize effort
+""")
+    loose = loosened(mission, compile_mission(mission).channels)
+    sides = [n for r in loose.requirements for n in walk(r.formula)
+             if isinstance(n, Linear) and len({s.owner for s, _ in n.terms}) == 2]  # fmt: skip
+    assert {s.index for n in sides for s, _ in n.terms} == {0, 1}
+    near, apart = ({"a": (0, 0), "b": (x, 0)} for x in (4, 20))
+    holds = [
+        all(n.constant + sum(v * at[s.owner][s.index] for s, v in n.terms) >= 0 for n in sides)
+        for at in (near, apart)
+    ]
+    assert holds == [True, False]
