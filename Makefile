@@ -16,7 +16,7 @@ export HYPOTHESIS_PROFILE ?= ci
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test test-fast test-full test-lowest test-newest coverage lint types format \
-	docs bench pins clean
+	docs playground bench pins clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -76,6 +76,21 @@ docs: $(STAMP) ## the site of docs/, warnings being errors, in out/docs
 	$(BIN)/python $(PIP) -c constraints.txt -e '.[docs]'
 	$(BIN)/python -m sphinx -q -W -b html docs $(OUT)/docs
 	@echo "look at $(OUT)/docs/index.html"
+
+PYODIDE := 314.0.7
+WHEELS ?=
+
+playground: $(STAMP) ## a page that checks, formats and shows missions in a browser, from disk (needs npm)
+	@command -v npm > /dev/null || { echo "make playground needs npm, which fetches Pyodide, Python for \
+	browsers (Debian: apt-get install npm)"; exit 1; }
+	npm install --silent --no-save --no-package-lock --prefix $(OUT)/npm pyodide@$(PYODIDE)
+	rm -rf $(OUT)/packages && $(BIN)/python $(PIP) wheel --no-deps -w $(OUT)/packages .
+	$(BIN)/python -m stlc.playground.packages $(OUT)/packages \
+		--pyodide $(OUT)/npm/node_modules/pyodide --wheels '$(WHEELS)'
+	$(BIN)/python examples/gallery.py $(OUT)/gallery
+	$(BIN)/python -m stlc.playground.build $(OUT)/playground --packages $(OUT)/packages \
+		--pyodide $(OUT)/npm/node_modules/pyodide --examples examples --reports $(OUT)/gallery
+	@echo "look at $(OUT)/playground/index.html"
 
 bench: $(STAMP) ## the benchmark suites that take minutes, with their report
 	$(BIN)/stlc bench --quick --store $(OUT)/bench.sqlite

@@ -68,6 +68,19 @@ def read_document(
                     result.ok)  # fmt: skip
 
 
+def glance(text: str, path: Path | None, before: Document | None) -> Document:
+    """A text parsed but not checked, for questions between two keys: a third of the time.
+
+    The mission and the imported files are those of `before`, diagnostics those of the parser.
+    """
+    if before is None:
+        return read_document(text, path)
+    source = Source(path.name if path else "mission.stl", text)
+    result = parse(source)
+    return Document(source, result.file, index(result.file), tuple(result.diagnostics),
+                    before.mission, before.imports, result.ok)  # fmt: skip
+
+
 def _imports(file: ast.File, folder: Path, seen: set[str], deep: int) -> list[Imported]:
     """Imported files that can be read, each once."""
     loader = FolderLoader(folder)

@@ -17,7 +17,7 @@ from pygls.lsp.server import LanguageServer
 
 from stlc.lsp import convert
 from stlc.lsp.completion import complete
-from stlc.lsp.document import Document, read_document
+from stlc.lsp.document import Document, glance, read_document
 from stlc.lsp.hints import hints
 from stlc.lsp.hover import hover
 from stlc.lsp.index import Occurrence
@@ -35,19 +35,27 @@ class Features:
 
     def __init__(self, server: Any) -> None:
         self._server = server
-        self._documents: dict[str, tuple[int | None, Document]] = {}
+        self._seen: dict[str, Document] = {}  # as it was last asked about
+        self._checked: dict[str, Document] = {}
 
     # --- documents -----------------------------------------------------------------------
 
     def document(self, uri: str) -> Document:
-        """The document as the editor has it now."""
-        text = self._server.workspace.get_text_document(uri)
-        before = self._documents.get(uri)
-        if before is not None and before[1].text == text.source:
-            return before[1]
-        found = read_document(text.source, _path(uri), before[1] if before else None)
-        self._documents[uri] = text.version, found
+        """The document as the editor has it now; while a text is typed, not checked yet."""
+        text = self._server.workspace.get_text_document(uri).source
+        for known in (self._checked.get(uri), self._seen.get(uri)):
+            if known is not None and known.text == text:
+                return known
+        self._seen[uri] = found = glance(text, _path(uri), self._checked.get(uri))
         return found
+
+    def checked(self, uri: str) -> Document:
+        """The document as the editor has it now, checked."""
+        text = self._server.workspace.get_text_document(uri).source
+        before = self._checked.get(uri)
+        if before is None or before.text != text:
+            self._checked[uri] = before = read_document(text, _path(uri), before)
+        return before
 
     async def opened(self, params: types.DidOpenTextDocumentParams) -> None:
         """Check at once."""
@@ -62,19 +70,20 @@ class Features:
 
     async def saved(self, params: types.DidSaveTextDocumentParams) -> None:
         """What the file imports may have changed."""
-        self._documents.pop(params.text_document.uri, None)
+        self._checked.pop(params.text_document.uri, None)
         await self._publish(params.text_document.uri)
 
     def closed(self, params: types.DidCloseTextDocumentParams) -> None:
         """Nothing is wrong any more."""
         uri = params.text_document.uri
-        self._documents.pop(uri, None)
+        self._checked.pop(uri, None)
+        self._seen.pop(uri, None)
         self._server.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, []))
 
     async def _publish(self, uri: str) -> None:
         """Diagnostics, found beside the loop that answers; nothing if the text has gone on."""
         text = self._server.workspace.get_text_document(uri)
-        found = await asyncio.get_running_loop().run_in_executor(None, self.document, uri)
+        found = await asyncio.get_running_loop().run_in_executor(None, self.checked, uri)
         if self._server.workspace.get_text_document(uri).version != text.version:
             return
         self._server.text_document_publish_diagnostics(

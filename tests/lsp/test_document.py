@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from lsprotocol import types
 
 from stlc.lsp.completion import complete
-from stlc.lsp.document import read_document
+from stlc.lsp.document import glance, read_document
 from stlc.lsp.hints import hints
 from stlc.lsp.hover import hover
 from stlc.lsp.positions import offset, place, position
@@ -118,3 +118,13 @@ def test_positions_count_utf16_units():
     assert offset(source, types.Position(0, 3)) == 2
     assert offset(source, types.Position(7, 0)) == 4
     assert offset(source, types.Position(0, 99)) == 2
+
+
+def test_between_keys_a_text_is_not_checked(monkeypatch):
+    before = read_document(FAMILY, None)
+    monkeypatch.setattr("stlc.sema.load_mission", None)
+    found = glance(FAMILY + "require c: eventually uav[2].\n", None, before)
+    assert found.mission is before.mission
+    assert not found.readable
+    assert "px" in [o.text for o in complete(found, len(found.text) - 1)]
+    assert glance(FAMILY, None, before).diagnostics == ()

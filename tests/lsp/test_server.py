@@ -13,6 +13,8 @@ from lsprotocol import types
 from pygls.exceptions import JsonRpcException
 from pygls.lsp.client import LanguageClient
 
+from stlc.lsp import server
+
 TEXT = """# a mission – with a dash
 step 500 ms
 workspace box [0, 10] x [0, 10]
@@ -230,3 +232,29 @@ def test_format_hints_and_outline(tmp_path: Path) -> None:
         assert [s.name for s in outline] == ["far", "r1", "dock", "home", "reach", "low"]
 
     edited(tmp_path, use)
+
+
+class Typed:
+    """What the features see of a server: a text that changes, and what is published."""
+
+    def __init__(self, text: str) -> None:
+        self.workspace, self.source, self.version = self, text, 1
+
+    def get_text_document(self, uri: str) -> Typed:
+        return self
+
+
+def test_questions_between_keys_do_not_wait_for_a_check(monkeypatch: pytest.MonkeyPatch) -> None:
+    checks = []
+    whole = server.read_document
+    monkeypatch.setattr(server, "read_document", lambda *a: checks.append(a) or whole(*a))
+    typed = Typed(TEXT)
+    features = server.Features(typed)
+    features.checked("m.stl")
+    typed.source += "require more: eventually r1.x >= 3 m\n"
+    assert "more" in features.document("m.stl").index.declarations
+    assert features.document("m.stl").mission is not None
+    assert len(checks) == 1
+    features.checked("m.stl")
+    assert len(checks) == 2
+    assert features.document("m.stl") is features.checked("m.stl")
