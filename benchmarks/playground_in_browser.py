@@ -149,47 +149,57 @@ def write(page: Browser, text: str) -> str:
     return page.until("document.body.dataset.problems", "an answer to a text")
 
 
+def typed(page: Browser, pictures: Path) -> Iterator[str]:
+    """What is wrong with how texts are told and laid out."""
+    if write(page, WRONG) == "0":
+        yield "a wrong text has no problem"
+    shown = page.js("at('problems').innerText")
+    if "2:" not in shown or "error[" not in shown:
+        yield f"the problem has no place: {shown}"
+    if page.js("marks.querySelectorAll('mark').length") == 0:
+        yield "the wrong words are not marked"
+    page.picture(pictures / "wrong.png")
+    write(page, LOOSE)
+    page.js("at('format').click()")
+    page.until("text.value === 'require a: always r.x >= 3\\n'", "the text laid out")
+
+
+def chosen(page: Browser) -> Iterator[str]:
+    """What is wrong with the examples."""
+    for k in range(page.js("STLC.examples.length")):
+        name = page.js(f"STLC.examples[{k}].name")
+        page.js("delete document.body.dataset.problems")
+        page.js(f"at('example').value = {k}; at('example').onchange()")
+        if page.until("document.body.dataset.problems", name) != "0":
+            yield f"{name}: {page.js('at(`problems`).innerText')}"
+        kept = page.js(f"STLC.examples[{k}].report !== null")
+        if kept and not page.js("at('report').srcdoc.includes('id=\"map\"')"):
+            yield f"{name} has no report"
+
+
+def fitted(page: Browser, pictures: Path) -> Iterator[str]:
+    """What is wider than the screen."""
+    time.sleep(1.0)  # the report draws itself
+    for name, width in WIDTHS.items():
+        page.size(width)
+        time.sleep(0.5)
+        page.picture(pictures / f"{name}.png")
+        wide = page.js(WIDEST)
+        if wide > width:
+            yield f"{name}: {wide} px wide on a screen of {width}"
+
+
 def check(folder: Path, pictures: Path) -> list[str]:
     """What is wrong with the playground in a folder."""
-    wrong: list[str] = []
     with browser() as page:
         page.size(WIDTHS["desk"])
         began = time.monotonic()
         page.call("Page.navigate", url=(folder / "index.html").resolve().as_uri())
         version = page.until("document.body?.dataset.ready", "Python in the browser")
         print(f"Python {version} after {time.monotonic() - began:.1f} s")
-        if write(page, WRONG) == "0":
-            wrong.append("a wrong text has no problem")
-        shown = page.js("at('problems').innerText")
-        if "2:" not in shown or "error[" not in shown:
-            wrong.append(f"the problem has no place: {shown}")
-        if page.js("marks.querySelectorAll('mark').length") == 0:
-            wrong.append("the wrong words are not marked")
-        page.picture(pictures / "wrong.png")
-        write(page, LOOSE)
-        page.js("at('format').click()")
-        page.until("text.value === 'require a: always r.x >= 3\\n'", "the text laid out")
-        for k in range(page.js("STLC.examples.length")):
-            name = page.js(f"STLC.examples[{k}].name")
-            page.js("delete document.body.dataset.problems")
-            page.js(f"at('example').value = {k}; at('example').onchange()")
-            if page.until("document.body.dataset.problems", name) != "0":
-                wrong.append(f"{name}: {page.js('at(`problems`).innerText')}")
-            kept = page.js(f"STLC.examples[{k}].report !== null")
-            if kept and not page.js("at('report').srcdoc.includes('id=\"map\"')"):
-                wrong.append(f"{name} has no report")
-        time.sleep(1.0)
-        for name, width in WIDTHS.items():
-            page.size(width)
-            time.sleep(0.5)
-            page.picture(pictures / f"{name}.png")
-            wide = page.js(WIDEST)
-            if wide > width:
-                wrong.append(f"{name}: {wide} px wide on a screen of {width}")
-        if page.asked - {"file", "data", "blob", "about"}:
-            wrong.append(f"asked others: {page.asked}")
-        wrong += page.console
-    return wrong
+        wrong = [*typed(page, pictures), *chosen(page), *fitted(page, pictures), *page.console]
+        others = page.asked - {"file", "data", "blob", "about"}
+        return [*wrong, f"asked others: {others}"] if others else wrong
 
 
 def main() -> int:
