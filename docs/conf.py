@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import sys
+from pathlib import Path
 from typing import Any
 
 from pygments.lexers.special import TextLexer
@@ -10,15 +12,19 @@ from pygments.lexers.special import TextLexer
 from stlc.grammar.pygments_lexer import StlLexer
 from stlc.version import __version__
 
+sys.path.insert(0, str(Path(__file__).parent))
+(Path(__file__).parent / "_gallery").mkdir(exist_ok=True)
+
 project = "stlc"
 release = version = __version__
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "extras"]
 html_theme = "furo"
 html_title = f"stlc {version}"
 html_copy_source = False
 myst_heading_anchors = 3
 myst_enable_extensions = ["dollarmath"]
-exclude_patterns = ["_build"]
+exclude_patterns = ["_build", "_gallery"]
+html_extra_path = ["_gallery"]
 autodoc_member_order = "bysource"
 autodoc_typehints_format = "short"
 

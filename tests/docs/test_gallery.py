@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+import runpy
 from pathlib import Path
 
 import pytest
 from PIL import Image
+from support.command import MISSION
 
 import stlc
 
@@ -21,6 +23,35 @@ def test_every_example_is_in_the_gallery() -> None:
     for path in EXAMPLES:
         if path.suffix in (".stl", ".ipynb"):
             assert f"examples/{path.name}" in text
+
+
+def test_every_example_has_a_picture_or_says_where() -> None:
+    text = (DOCS / "gallery.md").read_text(encoding="utf-8")
+    shown = re.findall(r"^```{mission} (\w+)$", text, re.M)
+    gallery = runpy.run_path(str(ROOT / "examples" / "gallery.py"))
+    stems = {p.stem for p in EXAMPLES if p.suffix == ".stl"}
+    assert sorted(shown) == sorted(stems - gallery["ELSEWHERE"])
+    assert {p.stem for p in (DOCS / "gallery").glob("*.json")} <= stems
+
+
+def test_a_kept_plan_is_drawn_and_shown(tmp_path: Path) -> None:
+    gallery = runpy.run_path(str(ROOT / "examples" / "gallery.py"))
+    assert gallery["shown"](ROOT / "examples" / "trade_places.stl", tmp_path)
+    made = {p.suffix: p.stat().st_size for p in tmp_path.iterdir()}
+    assert made.keys() == {".json", ".png", ".html"}
+    assert (tmp_path / "trade_places.json").read_text() == (
+        DOCS / "gallery" / "trade_places.json"
+    ).read_text()
+
+
+def test_a_plan_of_another_mission_is_made_anew(tmp_path: Path) -> None:
+    gallery = runpy.run_path(str(ROOT / "examples" / "gallery.py"))
+    (tmp_path / "m.stl").write_text(MISSION)
+    other = (DOCS / "gallery" / "trade_places.json").read_text()
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "m.json").write_text(other)
+    assert gallery["shown"](tmp_path / "m.stl", tmp_path / "out")
+    assert (tmp_path / "out" / "m.json").read_text() != other
 
 
 @pytest.mark.parametrize("path", [p for p in EXAMPLES if p.suffix == ".stl"], ids=lambda p: p.stem)
