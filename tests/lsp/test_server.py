@@ -161,7 +161,7 @@ def test_completion(tmp_path: Path) -> None:
         names = await offered("last: ", 6)
         assert {"r1", "dock", "home", "far", "always", "rssi"} <= set(names)
         kinds = await offered("agent r2 : ", 11)
-        assert set(kinds) == {"double_integrator", "single_integrator"}
+        assert set(kinds) == {"car", "double_integrator", "single_integrator", "unicycle"}
         assert "path_loss" in await offered("channel c {\n  ", 14)
         assert "require" in await offered("}\nre\n", 4)
         assert await offered("# a mission", 5) == {}
