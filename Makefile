@@ -16,7 +16,7 @@ export HYPOTHESIS_PROFILE ?= ci
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test test-fast test-full test-lowest test-newest coverage lint types format \
-	docs playground bench pins clean
+	docs playground vsix bench pins clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -81,16 +81,28 @@ PYODIDE := 314.0.7
 WHEELS ?=
 
 playground: $(STAMP) ## a page that checks, formats and shows missions in a browser, from disk (needs npm)
-	@command -v npm > /dev/null || { echo "make playground needs npm, which fetches Pyodide, Python for \
-	browsers (Debian: apt-get install npm)"; exit 1; }
+	@$(call npm,Pyodide)
 	npm install --silent --no-save --no-package-lock --prefix $(OUT)/npm pyodide@$(PYODIDE)
 	rm -rf $(OUT)/packages && $(BIN)/python $(PIP) wheel --no-deps -w $(OUT)/packages .
 	$(BIN)/python -m stlc.playground.packages $(OUT)/packages \
-		--pyodide $(OUT)/npm/node_modules/pyodide --wheels '$(WHEELS)'
+		--pyodide $(OUT)/npm/node_modules/pyodide $(if $(WHEELS),--wheels '$(WHEELS)')
 	$(BIN)/python examples/gallery.py $(OUT)/gallery
 	$(BIN)/python -m stlc.playground.build $(OUT)/playground --packages $(OUT)/packages \
 		--pyodide $(OUT)/npm/node_modules/pyodide --examples examples --reports $(OUT)/gallery
 	@echo "look at $(OUT)/playground/index.html"
+
+vsix: ## the extension for Visual Studio Code, out/stlc-missions.vsix (needs npm)
+	@$(call npm,the client of the language server and the packager)
+	rm -rf $(OUT)/vscode && mkdir -p $(OUT) && cp -R grammar/vscode $(OUT)/vscode
+	cp LICENSE $(OUT)/vscode/LICENSE
+	cd $(OUT)/vscode && npm install --silent --no-package-lock \
+		&& npx --yes @vscode/vsce@3 package --allow-missing-repository --out ../stlc-missions.vsix
+
+# Says what is missing where there is no npm, which fetches $(1).
+define npm
+command -v npm > /dev/null || { echo "make $@ needs npm, which fetches $(1) (Debian: \
+	apt-get install npm)"; exit 1; }
+endef
 
 bench: $(STAMP) ## the benchmark suites that take minutes, with their report
 	$(BIN)/stlc bench --quick --store $(OUT)/bench.sqlite

@@ -14,11 +14,11 @@ from stlc.solve.events import (
     Event,
     Listener,
     ProgressEvent,
-    SolutionEvent,
     StatisticsEvent,
     StatusEvent,
     ignore,
     to_ndjson,
+    words,
 )
 
 _CLEAR = "\r\x1b[K"
@@ -48,12 +48,12 @@ def _ndjson(event: Event, /) -> None:
 def _line(event: Event, /) -> None:
     """Shows an event on one line of the terminal, which the next event writes over."""
     if isinstance(event, DiagnosticEvent):
-        click.echo(_CLEAR + _text(event), err=True)
+        click.echo(_CLEAR + words(event), err=True)
         return
     width = shutil.get_terminal_size().columns - 1
     last = isinstance(event, StatusEvent) and event.stage in ("done", "explain", "stop")
     click.echo(
-        _CLEAR + _text(event)[:width], err=True, nl=last or isinstance(event, StatisticsEvent)
+        _CLEAR + words(event)[:width], err=True, nl=last or isinstance(event, StatisticsEvent)
     )
 
 
@@ -68,34 +68,4 @@ class _Log:
             if event.seconds < self.told + EVERY:
                 return
             self.told = event.seconds
-        click.echo(_text(event), err=True)
-
-
-def _text(event: Event) -> str:
-    """An event in a line for people."""
-    match event:
-        case ProgressEvent():
-            return _progress_text(event)
-        case SolutionEvent():
-            where = f" -> {event.path}" if event.path else ""
-            return f"{event.seconds:6.1f} s  certified plan, objective {event.objective:.6g}{where}"
-        case StatusEvent():
-            return f"{event.stage}: {event.message}"
-        case StatisticsEvent():
-            return (
-                f"{event.columns} columns ({event.binaries} binary), {event.rows} rows, "
-                f"{event.nonzeros} nonzeros, encoding {event.encoding}"
-            )
-        case DiagnosticEvent():
-            return f"{event.severity}: {event.message}"
-
-
-def _progress_text(event: ProgressEvent) -> str:
-    def show(value: float | None, style: str) -> str:
-        return "-" if value is None else format(value, style)
-
-    return (
-        f"{event.seconds:6.1f} s  incumbent {show(event.objective, '.6g')}  "
-        f"bound {show(event.bound, '.6g')}  gap {show(event.gap, '.2%')}  "
-        f"nodes {show(event.nodes, 'd')}"
-    )
+        click.echo(words(event), err=True)

@@ -216,12 +216,15 @@ class Mission:
         seed: int | None = None,
         start: Plan | None = None,
         confirm: bool = False,
+        progress: bool = True,
     ) -> Plan:
         """A certified, verified plan, the best within `time_limit` [s] or `gap` (relative).
 
+        A notebook shows how far it is in a line that moves, unless `progress` is False.
         Raises InfeasibleError where there is proven to be none (`explain` says why), NoPlanError
         where none came in time, SolverError where a solver is missing or failed.
         """
+        from stlc.front.progress import listener
         from stlc.milp.encodings import compile_options
         from stlc.solve.outcome import SolveSettings
 
@@ -229,7 +232,7 @@ class Mission:
             backend, compile_options(encoding, ()), strategy, time_limit, gap, threads, seed,
             None if start is None else start.data, confirm,
         )  # fmt: skip
-        outcome = api.solve(self.checked, settings)
+        outcome = api.solve(self.checked, settings, listener(progress))
         return plan_of(self.checked, outcome.plan, outcome.report)
 
     def explain(self, time_limit: float = 60.0) -> Conflict | Verdict:

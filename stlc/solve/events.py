@@ -96,6 +96,36 @@ def tell_warnings(warnings: Iterable[Diagnostic], listen: Listener) -> None:
         listen(DiagnosticEvent("warning", text))
 
 
+def words(event: Event) -> str:
+    """An event in a line for people."""
+    match event:
+        case ProgressEvent():
+            return _progress_text(event)
+        case SolutionEvent():
+            where = f" -> {event.path}" if event.path else ""
+            return f"{event.seconds:6.1f} s  certified plan, objective {event.objective:.6g}{where}"
+        case StatusEvent():
+            return f"{event.stage}: {event.message}"
+        case StatisticsEvent():
+            return (
+                f"{event.columns} columns ({event.binaries} binary), {event.rows} rows, "
+                f"{event.nonzeros} nonzeros, encoding {event.encoding}"
+            )
+        case DiagnosticEvent():
+            return f"{event.severity}: {event.message}"
+
+
+def _progress_text(event: ProgressEvent) -> str:
+    def show(value: float | None, style: str) -> str:
+        return "-" if value is None else format(value, style)
+
+    return (
+        f"{event.seconds:6.1f} s  incumbent {show(event.objective, '.6g')}  "
+        f"bound {show(event.bound, '.6g')}  gap {show(event.gap, '.2%')}  "
+        f"nodes {show(event.nodes, 'd')}"
+    )
+
+
 def to_ndjson(event: Event) -> str:
     """One line of JSON without its line end; non-finite numbers are null."""
     fields = {k: _plain(v) for k, v in asdict(event).items()}
