@@ -140,6 +140,7 @@ def _explain(mission: Mission, load_text: Load, given: _Words) -> int:
     else:
         _print(found, complete, given)
         _offer(changes, repairer.open, given)
+        _held(mission, given)
     if given.out is not None:
         _apply(changes, given)
     return InfeasibleError.exit_status
@@ -192,6 +193,13 @@ def _offer(changes: Sequence[Change], is_open: bool, given: _Words) -> None:
         click.echo("no change of the file's numbers was found within the limit to give a plan")
     elif given.fixes:
         click.echo("no single number of those named here gives a plan, nor any set of them tried")
+
+
+def _held(mission: Mission, given: _Words) -> None:
+    """Say which numbers are none of the file's to change: those of `-D`."""
+    if given.fixes and mission.params:
+        names = ", ".join(f"`{name}`" for name in mission.params)
+        click.echo(f"  {names} {'is' if len(mission.params) == 1 else 'are'} set by -D and kept")
 
 
 def _offers(number: int) -> str:

@@ -253,3 +253,10 @@ agent a : single_integrator { start (1, 1); control |u| <= 1 }
 agent b : single_integrator { start (1, 1); control |u| <= 1 }
 require odd: always (a.x <= b.x - 1 and b.x <= a.x - 1)
 """
+
+
+def test_what_was_set_from_outside_is_said_to_be_kept(tmp_path: Path) -> None:
+    (tmp_path / "m.stl").write_text(LINK)
+    said = stlc("explain", "m.stl", "--fix", "-D", "level=-61", folder=tmp_path).stdout
+    assert said.endswith("  `level` is set by -D and kept\n")
+    assert "parameter level" not in said
