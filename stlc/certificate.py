@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+from stlc.violation import Violations
+
 
 @dataclass(frozen=True, slots=True)
 class Claim:
@@ -14,20 +16,6 @@ class Claim:
     objective: float | None
     solver: str
     solver_version: str
-
-
-@dataclass(frozen=True, slots=True)
-class Misses:
-    """The largest violations of the model by a point; relative ones are to 1 + the terms' size."""
-
-    rows: float
-    bounds: float
-    integrality: float
-    rows_relative: float
-    bounds_relative: float
-    worst_row: str | None = None
-    worst_column: str | None = None
-    worst_integer: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,8 +33,8 @@ class Checked:
     gap: float | None
     tolerance: float
     claim: Claim
-    before: Misses | None = None
-    after: Misses | None = None
+    before: Violations | None = None
+    after: Violations | None = None
     polished: bool = False
     warnings: tuple[str, ...] = ()
 

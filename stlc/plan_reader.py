@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stlc.certificate import Certificate, Checked, Claim, Misses
+from stlc.certificate import Certificate, Checked, Claim
 from stlc.errors import UsageError
 from stlc.inputs import InputError, read_input
 from stlc.plan import FORMAT_VERSION, LinkSeries, Plan, RequirementValue, Run, SolveInfo
 from stlc.plan_place import Place
 from stlc.radio.learned import Learned, Parameters
 from stlc.sense import Sense
+from stlc.violation import Violations
 
 Array = NDArray[np.float64]
 _MOST_CELLS = 200  # along an axis: a plan can't ask for tables beyond memory
@@ -167,7 +168,7 @@ def _read_checked(place: Place) -> Checked:
         claim["solver_version"].text(),
     )  # fmt: skip
     figures = [place[k].optional() for k in ("objective", "bound", "gap")]
-    before, after = (_read_misses(place[f"violations_{k}"]) for k in ("before", "after"))
+    before, after = (_read_violations(place[f"violations_{k}"]) for k in ("before", "after"))
     return Checked(
         place["status"].text(), figures[0], figures[1], figures[2], place["tolerance"].number(),
         said, before, after, place["continuous_part_solved_again"].truth(),
@@ -175,7 +176,7 @@ def _read_checked(place: Place) -> Checked:
     )  # fmt: skip
 
 
-def _read_misses(place: Place) -> Misses | None:
+def _read_violations(place: Place) -> Violations | None:
     """Largest violations, None where there was no point."""
     if place.value is None:
         return None
@@ -187,7 +188,7 @@ def _read_misses(place: Place) -> Misses | None:
         None if place[k].value is None else place[k].text()
         for k in ("worst_row", "worst_column", "worst_integer")
     ]
-    return Misses(rows, bounds, integrality, relative[0], relative[1], *worst)
+    return Violations(rows, bounds, integrality, relative[0], relative[1], *worst)
 
 
 def _read_sense(place: Place) -> Sense:

@@ -26,6 +26,7 @@ LEAVES = {
     "matrices",
     "sphere",
     "version",
+    "violation",
 }
 """Rooms that everything may use; they use one another only."""
 

@@ -8,17 +8,18 @@ the claim of the solver, which a second one can confirm.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stlc.backends import get
 from stlc.backends.base import Floats, Solution, SolveOptions, Status, relative_gap
-from stlc.certificate import Checked, Claim, Misses
+from stlc.certificate import Checked, Claim
 from stlc.errors import SolverError
 from stlc.milp.model import Model
-from stlc.milp.violations import Violations, exact_objective, violations
+from stlc.milp.violations import exact_objective, violations
 from stlc.sense import Sense
+from stlc.violation import Violations
 
 TOLERANCE = 1e-6  # absolute, for rows and bounds: what solvers promise by default
 EXACT: dict[str, object] = {
@@ -65,12 +66,8 @@ class Certified:
         )  # fmt: skip
         return Checked(
             self.status.value, own(self.objective), own(self.bound), self.gap, self.tolerance, said,
-            _kept(self.before), _kept(self.after), self.polished, self.warnings,
+            self.before, self.after, self.polished, self.warnings,
         )  # fmt: skip
-
-
-def _kept(found: Violations | None) -> Misses | None:
-    return None if found is None else Misses(**asdict(found))
 
 
 def certify(

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.missions import agent, mission, roll
 
-from stlc.certificate import Certificate, Checked, Claim, Misses
+from stlc.certificate import Certificate, Checked, Claim
 from stlc.errors import UsageError
 from stlc.plan import (
     LinkSeries,
@@ -25,11 +25,12 @@ from stlc.plan import (
 )
 from stlc.plan_json import to_json
 from stlc.plan_reader import parse
+from stlc.violation import Violations
 
 CERTIFICATE = Certificate(
     Checked(
         "optimal", 1 / 7, None, 1e-4, 1e-6, Claim("optimal", 1 / 7, "highs", "HiGHS 1.16.0"),
-        Misses(1e-9, 0.0, 0.25, 1e-10, 0.0, worst_row="clear[3]"), None, True, ("a warning",),
+        Violations(1e-9, 0.0, 0.25, 1e-10, 0.0, worst_row="clear[3]"), None, True, ("a warning",),
     ),
     True, ("a note",),
 )  # fmt: skip
