@@ -18,7 +18,6 @@ from stlc.analysis.table_sizes import check_tables
 from stlc.arrays import Floats, Ints
 from stlc.channels import ChannelTables, TableMemo
 from stlc.diagnostics import Diagnostic
-from stlc.errors import UsageError
 from stlc.ir.nodes import Node
 from stlc.milp.big_m import leaky_big_ms
 from stlc.milp.builder import ModelBuilder
@@ -32,7 +31,7 @@ from stlc.milp.layout import Layout
 from stlc.milp.model import Model, Origin
 from stlc.milp.preferences import Lowered, lowered
 from stlc.milp.stage_rows import add_cuts, add_hulls
-from stlc.milp.unsolvable import check_controlled, check_magnitudes
+from stlc.milp.unsolvable import check_bounded, check_controlled, check_magnitudes
 from stlc.mission import Mission
 from stlc.passes import PassStats, Program, never, run_pipeline, stop_if
 from stlc.trajectories import Trajectories
@@ -134,6 +133,7 @@ def compile_mission(mission: Mission, options: CompileOptions | None = None) -> 
     )  # fmt: skip
     ctx = _begun(plain, program)
     goals = program.known_goals()
+    check_bounded(goals, program.requirements)
     rho = {goal: _add_goal(ctx, goal) for goal in goals}
     reserve_link_costs(ctx, tables, options.link)
     notes = _add_requirements(ctx, program, goals, rho, tables, options)
@@ -161,8 +161,6 @@ def _begun(plain: Lowered, program: Program) -> Context:
 
 
 def _add_goal(ctx: Context, goal: Goal) -> int:
-    if not np.isfinite(goal.high):
-        raise UsageError("the robustness to maximise has no upper bound: nothing limits it")
     ctx.builder.origin = Origin(f"robustness {goal.requirement or 'of the mission'}")
     column = ctx.builder.add_columns("rho", (1,), goal.low, goal.high, cost=goal.weight)
     return int(column[0])

@@ -166,3 +166,9 @@ def bounds(pieces: Sequence[Polytope]) -> tuple[float, float, float, float]:
     points = np.vstack([p.vertices for p in pieces])
     low, high = points.min(axis=0), points.max(axis=0)
     return float(low[0]), float(high[0]), float(low[1]), float(high[1])
+
+
+def square(centre: Array, half: float) -> Polytope:
+    """An axis-aligned square about a point (2,), of sides 2 `half` [m]."""
+    x, y = float(centre[0]), float(centre[1])
+    return box((x - half, x + half), (y - half, y + half))

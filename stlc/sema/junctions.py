@@ -16,8 +16,8 @@ import numpy as np
 from stlc.arrays import Floats
 from stlc.places import Polytope
 from stlc.sema.contacts import DEEP, PLUG, TOUCH, Contact, boxes_meet, contact
-from stlc.sema.geometry import contains
-from stlc.sema.seams import plug_over, square
+from stlc.sema.geometry import contains, square
+from stlc.sema.seams import plug_over
 
 Pieces = Sequence[Polytope]
 Met = tuple[Polytope, Polytope, Contact]

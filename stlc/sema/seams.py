@@ -22,21 +22,22 @@ two convex sets without common interior is a segment or a point) and single poin
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from stlc.mission import Array
 from stlc.places import Polytope
 from stlc.sema.contacts import DEEP, PLUG, TOUCH, Contact, contact, extent
+from stlc.sema.crossings import single_points
 from stlc.sema.geometry import (
     Point,
-    box,
     contains,
     corners,
     counter_clockwise,
     polytope,
     simplified,
+    square,
     turn,
 )
 
@@ -68,7 +69,7 @@ def closed(
     plugs += _joined(grown)
     everything = [*grown, *plugs]
     if len(everything) > 2:
-        everything += _points(everything)
+        everything += single_points(everything)
     return tuple(everything)
 
 
@@ -209,24 +210,23 @@ def _tip(piece: Polytope, middle: Array, length: float) -> Array:
     return middle
 
 
-def square(centre: Array, half: float) -> Polytope:
-    """An axis-aligned square."""
-    x, y = _point(centre)
-    return box((x - half, x + half), (y - half, y + half))
-
-
-# --- the border and single points ----------------------------------------------------------------
+# --- the border ----------------------------------------------------------------
 
 
 def _past_border(piece: Polytope, space: Polytope, move: Array) -> tuple[Polytope, list[Polytope]]:
-    """A piece that touches the workspace's border from within, carried beyond it."""
+    """A piece that touches the workspace's border from within, carried beyond it.
+
+    Contacts are those of the piece as it is told: carried beyond one side, it may reach past the
+    next, which it touches in a corner.
+    """
     size = BEYOND * float(np.ptp(space.vertices, axis=0).max())
     plugs: list[Polytope] = []
+    told = piece
     for normal, offset in zip(space.normals, space.offsets, strict=True):
-        reach = float((piece.vertices @ normal).max()) - float(offset)
+        reach = float((told.vertices @ normal).max()) - float(offset)
         if not -TOUCH <= reach <= PLUG or float(normal @ move) < -TOUCH:
             continue
-        met = _on_border(piece, space, normal)
+        met = _on_border(told, space, normal)
         if met is None:
             continue
         face = met.faces[0]
@@ -235,7 +235,7 @@ def _past_border(piece: Polytope, space: Polytope, move: Array) -> tuple[Polytop
         if moved is not None:
             piece = moved
         elif met.length > PLUG:
-            plugs.append(_bar(piece, met, normal))
+            plugs.append(_bar(told, met, normal))
         else:
             plugs.append(square((met.start + met.end) / 2.0, PLUG))
     return piece, plugs
@@ -259,42 +259,3 @@ def _bar(piece: Polytope, met: Contact, normal: Array) -> Polytope:
     inner, outer = _tip(piece, middle, met.length), middle + 0.25 * met.length * normal
     ring = counter_clockwise([_point(p) for p in (met.start, inner, met.end, outer)])
     return polytope(simplified(ring))
-
-
-def _points(pieces: Sequence[Polytope]) -> Iterable[Polytope]:
-    """Plugs for single points inside the union that no piece has inside."""
-    import shapely
-
-    rings = [shapely.Polygon(p.vertices) for p in pieces]
-    # Grown and shrunk again, the union has no slits from rounding.
-    whole = shapely.union_all([r.buffer(TOUCH, join_style="mitre") for r in rings])
-    whole = whole.buffer(-TOUCH - DEEP, join_style="mitre")
-    nodes = shapely.get_coordinates(shapely.union_all([r.boundary for r in rings]))
-    nodes = np.unique(nodes.round(9), axis=0)
-    shapely.prepare(whole)
-    nodes = nodes[shapely.contains_xy(whole, nodes)]
-    for place in unheld(nodes, pieces):
-        depth = float(whole.boundary.distance(shapely.Point(place)))
-        yield square(place, min(PLUG, (depth + DEEP) / 2.0))
-
-
-TOGETHER = 32  # pieces, then the points that they hold are let go. Of 99,000 points in 56 wedges
-# of a star each: 0.4 CPU s; a search tree asked for every piece took 5.2
-
-
-def unheld(points: Array, pieces: Sequence[Polytope]) -> Array:
-    """The points (n, 2) that no piece has in its interior, by `TOUCH`, sorted by x.
-
-    Pieces are asked in no order: neighbours hold the same points.
-    """
-    left = points[points[:, 0].argsort(kind="stable")]
-    order = np.random.default_rng(0).permutation(len(pieces))
-    for first in range(0, len(order), TOGETHER):
-        held = np.zeros(len(left), dtype=bool)
-        for piece in (pieces[k] for k in order[first : first + TOGETHER]):
-            x = piece.vertices[:, 0]
-            near = slice(*left[:, 0].searchsorted((x.min(), x.max())))
-            inside = left[near] @ piece.normals.T < piece.offsets - TOUCH
-            held[near] |= inside.all(axis=1)
-        left = left[~held]
-    return left

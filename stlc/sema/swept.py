@@ -32,6 +32,8 @@ from stlc.sema.scope import Scope
 from stlc.sema.shape_errors import NoSwept
 from stlc.source import Span
 
+_POINTS = 3  # of the motion for a predicate, mostly; each takes as long as an evaluation
+
 Part = tuple[int, int]
 """Which part of a step, of how many."""
 
@@ -39,6 +41,7 @@ Part = tuple[int, int]
 def sweep(node: Node, scope: Scope, span: Span) -> Node:
     """Every linear leaf replaced by its conjunction over the Bezier points, part by part."""
     parts = parts_of(node, scope, span)
+    scope.spend(_POINTS * parts * sum(isinstance(n, Linear) for n in walk(node)), span)
     swept = tuple(sweep_part(node, (part, parts), scope, span) for part in range(parts))
     return swept[0] if parts == 1 else And(swept, span=node.span)
 
@@ -188,7 +191,10 @@ def _at(
     kept = [(s, c) for s, c in terms.items() if c != 0.0]
     if len(kept) > 1:
         kept.sort(key=lambda term: term[0].key)
-    return replace(node, terms=tuple(kept), constant=constant + change)
+    return Linear(
+        tuple(kept), constant + change, node.unit,
+        span=node.span, swept=node.swept, member=node.member, norms=node.norms,
+    )  # fmt: skip
 
 
 def _bezier(

@@ -23,10 +23,9 @@ def is_small(work: Work) -> bool:
 
 
 def may_plan(work: Work) -> bool:
-    """`turns`: a team without a plan. Two agents that pay for their link have `links`; what two
-    do alone, where effort is all they spend, mostly is a plan or near one (`neighbourhoods`)."""
-    two = len(work.compiled.mission.agents) == 2 and has_lone_runs(work)
-    return _is_costly_team(work) and work.x is None and not two and work.can(LIMITED)
+    """`turns`: a team without a plan. Two agents that pay for their link have `links`."""
+    known_soon = _is_planned_from_alone(work)
+    return _is_costly_team(work) and work.x is None and not known_soon and work.can(LIMITED)
 
 
 def falls_apart(work: Work) -> bool:
@@ -55,10 +54,9 @@ def may_grid(work: Work) -> bool:
 
 
 def may_route(work: Work) -> bool:
-    """`routes`: no plan yet, or one agent alone. What two agents spend alone is known sooner."""
+    """`routes`: no plan yet, or one agent alone."""
     late = work.x is not None and _is_team(work)
-    two = len(work.compiled.mission.agents) == 2 and has_lone_runs(work)
-    return not late and not two and _is_open(work)
+    return not late and not _is_planned_from_alone(work) and _is_open(work)
 
 
 def may_box(work: Work) -> bool:
@@ -83,6 +81,14 @@ def _is_open(work: Work) -> bool:
     if any(isinstance(n, Count | Network) for formula in formulas for n in walk(formula)):
         return False
     return all(_is_movable(work, name) for name in compiled.states)
+
+
+def _is_planned_from_alone(work: Work) -> bool:
+    """Two agents or a crowd without a radio that spend effort alone: what each does by itself is
+    mostly near a plan (`neighbourhoods`), and known sooner than one by any other way."""
+    mission = work.compiled.mission
+    crowd = len(mission.agents) >= tuning.LONE.crowd and not mission.channels
+    return (len(mission.agents) == 2 or crowd) and has_lone_runs(work)
 
 
 def has_lone_runs(work: Work) -> bool:

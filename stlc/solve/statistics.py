@@ -14,7 +14,7 @@ from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
 from stlc.passes import PassStats
 
-LONGEST = 10.0
+LONGEST = 5.0
 """Seconds for the LP relaxation of statistics: 99 of 100 compiled missions take less than one, two
 agents apart over 5,000 steps take 90."""
 

@@ -103,7 +103,7 @@ def _stages(mission: Mission) -> Iterator[tuple[str, tuple[ObjectiveTerm, ...]]]
     """What each solve is called and minimises, in order."""
     for tier in priorities(mission):
         yield (
-            f"priority {tier}",
+            f"priority {tier:g}",
             tuple(
                 ObjectiveTerm(TermKind.VIOLATION, p.weight, requirement=p.name, span=p.span)
                 for p in mission.preferences

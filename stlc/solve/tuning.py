@@ -74,6 +74,10 @@ class Lone(Record):
     share: float = 0.5  # of the time that is left, for all of them
     first: float = 0.5  # of that for a first look at each; agents that need more share the rest
     least: float = 1.0  # s: with less time than that it is left out; flat
+    crowd: int = (
+        12  # agents without a radio that are planned from what they do alone. In CPU s, 16:
+    )
+    # 1.8 % after 26 s with turns before; 32: no plan in 60 s
 
 
 class Part(Record):
@@ -175,6 +179,7 @@ class Near(Record):
     bound: float = 0.1  # and where agents are bound to each other: what they do alone is no guide
     alone: float = 0.5  # and to plan around that in turn
     beside: tuple[float, ...] = (0.02, 0.035, 0.06, 0.1)  # of the workspace: tubes around that
+    sides: float = 0.6  # of that, with most disjunctions decided as those runs do
     radius: float = 0.04  # of the workspace: the first tube around a plan; flat
     wider: float = 1.6
     narrowest: float = 0.005

@@ -220,13 +220,15 @@ def _stay_in(form: Form) -> tuple[Any, Any]:
 
 
 def _held(times: Array, places: Array, room: Any, whole: Any) -> tuple[float, float]:
+    """(distance to the border or minus how far outside, time) of one step."""
     import shapely
 
     line = _line(places)
-    if shapely.covers(room, line):
+    left = None if shapely.covers(room, line) else shapely.difference(line, room)
+    if left is None or left.is_empty:  # by rounding, of motions of 1e-15 m on the border
         near = shapely.get_coordinates(shapely.shortest_line(line, whole.boundary))[0]
         return float(shapely.distance(line, whole.boundary)), _when(times, places, near)
-    out = _fine(shapely.difference(line, room))
+    out = _fine(left)
     away = shapely.distance(shapely.points(out), whole)
     return -float(away.max()), _when(times, places, out[int(away.argmax())])
 
@@ -237,7 +239,11 @@ def _clear(times: Array, places: Array, out: Out) -> tuple[float, float]:
 
     line = _line(places)
     if shapely.intersects(out.core, line):
-        met = _fine(shapely.intersection(line, out.core))
+        common = shapely.intersection(line, out.core)
+        if common.is_empty:  # they touch by rounding alone
+            nearest_line = shapely.shortest_line(line, out.core)
+            common = shapely.Point(shapely.get_coordinates(nearest_line)[0])
+        met = _fine(common)
         deep = shapely.distance(shapely.points(met), out.border.boundary)
         return -float(deep.max()), _when(times, places, met[int(deep.argmax())])
     between = shapely.shortest_line(line, out.solid)

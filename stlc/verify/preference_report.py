@@ -33,7 +33,7 @@ class PreferenceReport:
             return f"{self.name} is {self.violation:.6g} {self.unit}"
         rank = f"weight {self.weight:g}"
         if self.priority is not None:
-            rank = f"priority {self.priority}, {rank}"
+            rank = f"priority {self.priority:g}, {rank}"
         if self.kept:
             return f"kept {self.name}  ({rank})"
         lost = {

@@ -22,7 +22,7 @@ from stlc.syntax.read import decode
 
 FOLDER = Path(__file__).parent
 CASES = sorted(FOLDER.glob("*.stl"))
-COMPILED = {"E0806", "E0807"}
+COMPILED = {"E0806", "E0807", "E0809"}
 ELSEWHERE = {"E0113", "E0114"}  # too large for a file here: tests/syntax/test_limits.py
 
 

@@ -57,3 +57,12 @@ def test_numbers_that_no_solver_takes(agent: str, rest: str, line: int) -> None:
     assert found.code == "E0805"
     assert found.span is not None
     assert found.span.line == line
+
+
+def test_a_bound_beyond_the_digits_of_a_solver_is_refused() -> None:
+    """1e16 beside states of 1: what is missing can't be told to within 1 m."""
+    text = "agent r : single_integrator { start (0, 0); control |u| <= 1 }\n"
+    with pytest.raises(MissionError) as caught:
+        compile_mission(loads(f"{text}prefer left: eventually[3] r.x <= -1e16\n"))
+    (found,) = caught.value.diagnostics
+    assert (found.code, found.span.line) == ("E0805", 2)

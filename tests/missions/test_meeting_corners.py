@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from stlc import api
@@ -79,3 +80,27 @@ def test_wedges_that_move_together_hold_it_too() -> None:
         api.solve(_mission("always[0, 0] forall o in obstacles: r outside o", wedges))
     with pytest.raises(InfeasibleError):
         api.solve(_mission(FORMULAS["swept"], wedges))
+
+
+@pytest.mark.parametrize("turns", range(4))
+def test_a_wedge_in_a_corner_of_the_workspace_leaves_no_way_there(turns: int) -> None:
+    """It touches one border along a face, the next in the corner alone: kept out of there too, by
+    encoder and verifier alike."""
+    ring = [(0.0, 0.0), (6.0, 2.0), (8.0, 2.0), (8.0, 0.0), (6.0, 0.0)]
+    start = (1.0, 5.0)
+    for _ in range(turns):
+        ring, start = [(10.0 - y, x) for x, y in ring], (10.0 - start[1], start[0])
+    corner = ring[0]
+    text = (
+        "step 1 s\nhorizon 6\nworkspace box [0, 10] x [0, 10]\n"
+        f"agent r : double_integrator {{ start {start}; control |u| <= 1; speed <= 2 }}\n"
+        f"obstacle pan = polygon {' '.join(map(str, ring))}\n"
+        "require clear: always r outside pan swept\n"
+        f"require x: eventually[4, 6] (|r.x - {corner[0]}| <= 0.01 and |r.y - {corner[1]}| <= 0.01)"
+        "\n"
+        "minimize effort\n"
+    )
+    outcome = api.solve(api.loads(text))
+    assert outcome.report.ok
+    places = np.array(outcome.plan.runs["r"].states)[4:, :2]
+    assert 1e-4 < np.abs(places - corner).max(axis=1).min() <= 0.01 + 1e-6

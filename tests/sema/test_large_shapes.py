@@ -11,9 +11,10 @@ from stlc.api import loads
 from stlc.errors import MissionError
 from stlc.ir.nodes import Always, And
 from stlc.sema import scope, tracks
+from stlc.sema.crossings import TOGETHER, unheld
 from stlc.sema.decompose import decompose
 from stlc.sema.geometry import polytope
-from stlc.sema.seams import TOGETHER, closed, unheld
+from stlc.sema.seams import closed
 from stlc.sema.tracks import Pieces, translated
 
 HEAD = "step 1 s\nhorizon 400\nworkspace box [0, 90] x [0, 90]\n"

@@ -5,8 +5,6 @@ those pairs lie in one polygon of how far apart two agents are (or of where an a
 station). A mission that asks for the polygon alone asks for less, and needs no cells:
 
     link(a, b) good  ->  n . (p_a - p_b) <= max over good (i, j) of (max_i n . p - min_j n . p)
-
-Of agents that fly, this is about the places that they are above.
 """
 
 from __future__ import annotations
@@ -72,26 +70,36 @@ class _Links:
         if not good.any() or not moving:
             return Const(bool(good.any()))
         partition = self.mission.channels[link.channel].partition
-        low, high = partition.low[:, :2] - _ROOM, partition.high[:, :2] + _ROOM
-        angles = 2 * np.pi * np.arange(_SIDES) / _SIDES
-        sides = np.round(np.stack([np.cos(angles), np.sin(angles)], 1), 12)
+        low, high = partition.low - _ROOM, partition.high + _ROOM
+        fly = all(self.mission.agents[n].dynamics.altitude is not None for n in moving)
         return And(tuple(
-            self._side(link, moving, n, _furthest(good, low, high, n)) for n in sides
+            self._side(link, moving, n, _furthest(good, low, high, n))
+            for n in _directions(low.shape[1], fly)
         ))  # fmt: skip
 
     def _side(self, link: Link, moving: Sequence[str], normal: Floats, most: float) -> Linear:
-        """n . p <= most, or n . (p - q) <= most for two agents."""
+        """n . p <= most, or n . (p - q) <= most for two agents, in the axes of the cells."""
         terms: list[tuple[Signal, float]] = []
         for sign, name in zip((-1.0, 1.0), moving, strict=False):
-            position = self.mission.agents[name].dynamics.position
-            assert position is not None, "whoever has a link is somewhere"
-            weights = sign * (normal @ position)
+            space = self.mission.agents[name].dynamics.space
+            assert space is not None, "whoever has a link is somewhere"
+            weights = sign * (normal @ space[: len(normal)])
             terms += [
                 (Signal(name, Role.STATE, int(k), link.shift), float(weights[k]))
                 for k in np.flatnonzero(weights)
             ]
         terms.sort(key=lambda term: term[0].key)
         return Linear(tuple(terms), most + self.margin, "m", span=link.span)
+
+
+def _directions(axes: int, fly: bool) -> Floats:
+    """Unit vectors (k, axes): around in the plane, then up and down for those that all `fly`."""
+    angles = 2 * np.pi * np.arange(_SIDES) / _SIDES
+    around = np.round(np.stack([np.cos(angles), np.sin(angles)], 1), 12)
+    if axes == 2:
+        return around
+    around = np.pad(around, ((0, 0), (0, 1)))
+    return np.vstack([around, [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)]]) if fly else around
 
 
 def _furthest(good: Bools, low: Floats, high: Floats, normal: Floats) -> float:

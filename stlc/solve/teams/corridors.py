@@ -7,7 +7,7 @@ along is made good at little cost, and a plan is bettered for all agents at once
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from stlc.backends.base import Capability, Solution, Status
@@ -19,16 +19,24 @@ from stlc.solve.alone.run import Run
 from stlc.solve.deadline import Deadline
 from stlc.solve.routes.tube import tube
 from stlc.solve.strategy import Work
+from stlc.solve.teams.sides import decided
 
 
 def beside(work: Work, runs: Mapping[str, Run], deadline: Deadline) -> Work:
-    """With the best plan near runs of all agents that need not get along: in the narrowest tube
-    that holds one."""
+    """With the best plan near runs of all agents that need not get along: where most is decided as
+    they do, or else in the narrowest tube that holds one."""
     states = {name: run[0] for name, run in runs.items()}
     size = extent(work.compiled)
-    for part in tuning.NEAR.beside:
-        near = tube(work.compiled, states, part * size)
-        found = _solved(work, near, deadline)
+    near = [tube(work.compiled, states, part * size) for part in tuning.NEAR.beside]
+    sides = (decided(work.compiled, model, runs) for model in near)
+    better = _first(work, sides, deadline.share(tuning.NEAR.sides))
+    return _first(work, near, deadline) if better.x is None else better
+
+
+def _first(work: Work, models: Iterable[Model], deadline: Deadline) -> Work:
+    """The work with the best plan of the first model that isn't proven to hold none."""
+    for model in models:
+        found = _solved(work, model, deadline)
         if found is None or found.status is not Status.INFEASIBLE:
             return work if found is None else work.with_point(found.x, "runs beside lone ones")
     return work

@@ -8,6 +8,7 @@ conjuncts about three agents and more bind agents whatever their runs are.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
@@ -19,7 +20,7 @@ from stlc.mission import TermKind
 from stlc.solve.alone.run import Run
 
 _BINDING = Link | Count | Network
-_MISS = 1e-6  # what a certified plan may miss a predicate by
+MISS = 1e-6  # what a certified plan may miss a predicate by
 
 Pair = frozenset[str]
 
@@ -56,7 +57,7 @@ class Couplings:
     def get_along(self, one: str, other: str, runs: Mapping[str, Run]) -> bool:
         """Whether two runs satisfy what the two agents share of predicates on their states."""
         parts = self.apart.get(frozenset((one, other)), ())
-        return all(_holds(node, margin, runs) for node, margin in parts)
+        return all(value(node, runs) >= margin - MISS for node, margin in parts)
 
 
 def groups_of(compiled: Compiled) -> list[tuple[str, ...]]:
@@ -103,19 +104,18 @@ def _priced(compiled: Compiled) -> Iterable[Pair]:
             yield frozenset(compiled.mission.agents)
 
 
-def _holds(node: Node, margin: float, runs: Mapping[str, Run]) -> bool:
-    """Whether these runs satisfy a formula without time between two agents."""
+def value(node: Node, runs: Mapping[str, Run]) -> float:
+    """Robustness on these runs of an unrolled formula of predicates on states and inputs."""
     match node:
         case And(args=args):
-            return all(_holds(a, margin, runs) for a in args)
+            return min(value(a, runs) for a in args)
         case Or(args=args):
-            return any(_holds(a, margin, runs) for a in args)
-        case Const(value=value):
-            return value
+            return max(value(a, runs) for a in args)
+        case Const(value=truth):
+            return math.inf if truth else -math.inf
         case Linear(terms=terms, constant=constant):
-            value = constant + sum(
-                v * runs[s.owner][0 if s.role is Role.STATE else 1][s.shift, s.index]
+            return constant + sum(
+                float(v * runs[s.owner][0 if s.role is Role.STATE else 1][s.shift, s.index])
                 for s, v in terms
             )
-            return bool(value >= margin - _MISS)
-    raise TypeError(f"{type(node).__name__} between the states of two agents")
+    raise TypeError(f"{type(node).__name__} among predicates on states and inputs")

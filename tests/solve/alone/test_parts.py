@@ -106,25 +106,35 @@ def test_wherever_a_link_is_good_the_polygon_holds(talk: str) -> None:
             assert value + side.constant >= 0
 
 
-def test_links_of_agents_that_fly_have_a_polygon_on_the_ground() -> None:
-    mission = loads("""horizon 4
-workspace box [0, 20] x [0, 8]
-dynamics drone = single_integrator { dimensions 3; pz in [0, 9]; control |u| <= 5 }
-agent a : drone { start (1, 1, 1) }
-agent b : drone { start (1, 7, 1) }
-region far = box [15, 20] x [0, 8]
-channel radio { path_loss L0 = -40 dBm; n = 2; partition 5 x 2 x 3 }
-require reach: eventually a in far
-require talk: always rssi(a, b) >= -62 dBm
+SPACE = """horizon 6
+workspace box [0, 20] x [0, 20]
+dynamics drone = double_integrator { dimensions 3; pz in [0, 30]; control |u| <= 2; speed <= 4 }
+agent a : drone { start (2, 10, 12) }
+agent b : drone { start (2, 6, 12) }
+agent cart : single_integrator { start (10, 2); control |u| <= 3; antenna 1 m }
+station mast at (10, 10) { height 4 m }
+channel radio { path_loss L0 = -40 dBm, n = 3; partition 5 x 5 x 3 }
 minimize effort
-""")
-    loose = loosened(mission, compile_mission(mission).channels)
-    sides = [n for r in loose.requirements for n in walk(r.formula)
-             if isinstance(n, Linear) and len({s.owner for s, _ in n.terms}) == 2]  # fmt: skip
-    assert {s.index for n in sides for s, _ in n.terms} == {0, 1}
-    near, apart = ({"a": (0, 0), "b": (x, 0)} for x in (4, 20))
-    holds = [
-        all(n.constant + sum(v * at[s.owner][s.index] for s, v in n.terms) >= 0 for n in sides)
-        for at in (near, apart)
-    ]
-    assert holds == [True, False]
+require talk: eventually[2, 4] """
+
+
+@pytest.mark.parametrize("ends", ["a, b", "a, cart", "cart, b", "a, mast", "cart, mast"])
+def test_the_polygon_of_a_link_in_space(ends: str) -> None:
+    """Around in the plane; up and down too where all that move fly."""
+    mission = loads(f"{SPACE}rssi({ends}) >= -72 dBm\n")
+    compiled = compile_mission(mission)
+    loose = loosened(mission, compiled.channels)
+    link = next(n for r in mission.requirements for n in walk(r.formula) if isinstance(n, Link))
+    moving = [n for n in (link.sender, link.receiver) if n in mission.agents]
+    sides = [n for r in loose.requirements for n in walk(r.formula) if isinstance(n, Linear)]
+    assert {s.owner for side in sides for s, _ in side.terms} == set(moving)
+    flying = {s.owner for side in sides for s, _ in side.terms if s.index == 2}
+    assert flying == (set() if "cart" in moving else set(moving))
+    partition, rng = mission.channels["radio"].partition, np.random.default_rng(0)
+    good = np.argwhere(compiled.channels.thresholds(link).low >= 0)
+    for cells in good[rng.permutation(len(good))[:100]]:
+        drawn = [rng.uniform(partition.low[k], partition.high[k]) for k in cells]
+        places = dict(zip(moving, drawn, strict=True))
+        for side in sides:
+            value = sum(v * places[s.owner][s.index] for s, v in side.terms)
+            assert value + side.constant >= 0
