@@ -173,6 +173,8 @@ def _comparison(node: ast.Comparison) -> str:
 def _interval(interval: ast.Interval | None) -> str:
     if interval is None:
         return ""
+    if interval.start is interval.end and isinstance(interval.start, ast.Name):
+        return f"[{interval.start.text}]"  # `[end, end]` would be no step
     end = show(interval.end) if interval.end is not None else "end"
     return f"[{show(interval.start)}, {end}]"
 

@@ -260,3 +260,15 @@ def test_formatting_keeps_meaning_and_comments_and_is_idempotent(seed: int, size
 def test_chains_keep_their_brackets(text):
     source = Source("x", f"require r: {text} >= 1\n")
     assert format_file(parse(source).file) == f"require r: {text} >= 1\n"
+
+
+def test_the_last_step_stays_one() -> None:
+    from stlc.api import loads
+
+    text = (
+        "agent a : single_integrator { start (1, 1); control |u| <= 1 }\nhorizon 4\n"
+        "require: always[end] a.x >= 1\n"
+    )
+    out = format_file(parse(Source("m.stl", text)).file)
+    assert "always[end] a.x" in out
+    assert loads(out).requirements[0].formula == loads(text).requirements[0].formula
