@@ -19,7 +19,7 @@ from stlc.ir.nodes import Always, And, Eventually, Implies, Node, Or, Release, U
 from stlc.ir.requirement import Requirement
 from stlc.ir.rewrite import with_children
 from stlc.mission import Agent
-from stlc.sema.heights import EVERY, TOUCH, Levels, kept_from
+from stlc.sema.heights import EVERY, Levels, kept_from
 from stlc.sema.junctions import touching
 from stlc.sema.members import flies, point
 from stlc.sema.membership import keep
@@ -27,10 +27,11 @@ from stlc.sema.plugs import Sweeps, box_of, plugs_of_three, plugs_of_two
 from stlc.sema.report import Mistake
 from stlc.sema.scope import Scope
 from stlc.sema.space_errors import NotInSpace
+from stlc.sema.stacks import meeting
 from stlc.sema.values import Place, Radio
+from stlc.sema.windows import Window, common, merged
 from stlc.source import Span
 
-Window = tuple[float, float]
 _Key = tuple[str, int, bool]  # agent, shape, swept
 _OPEN = And | Or | Always | Eventually | Until | Release  # as strong as their parts
 
@@ -190,13 +191,14 @@ class _Joints:
         """Keep out of the plugs between places, in the windows that all have in common."""
         windows = kept[0].windows
         for other in kept[1:]:
-            windows = _common(windows, other.windows)
-        levels = _levels([k.avoided for k in kept]) if windows else None
+            windows = common(windows, other.windows)
+        if not windows:
+            return []
         first, last = kept[0].avoided, kept[1].avoided
         span = first.span or last.span
         assert span is not None, "a condition of the file has its place in it"
-        plugs = self._plugs(kept) if levels is not None else []
-        if not plugs or levels is None:
+        levels, plugs = _meeting([k.avoided for k in kept], lambda: self._plugs(kept))
+        if not plugs:
             return []
         swept = all(k.avoided.swept for k in kept)
         parts = tuple(self._outside(sweeps, first.agent, swept, levels, span) for sweeps in plugs)
@@ -241,21 +243,27 @@ def _new(
                 yield node
 
 
-def _levels(avoided: Sequence[_Avoided]) -> Levels | None:
-    """The heights that places have in common for an agent [m], None where they have none.
+def _meeting(
+    avoided: Sequence[_Avoided], plugs: Callable[[], list[Sweeps]]
+) -> tuple[Levels, list[Sweeps]]:
+    """Between which heights places leave a way for an agent [m], and what closes it.
 
-    Mistake where one stands on another: the seam between them would be a way.
+    Mistake where one stands on another and nothing closes the seam between them.
     """
-    thing = avoided[0].agent.thing
-    each = [kept_from(a.place.heights or EVERY, thing) for a in avoided]
-    low, high = max(e[0] for e in each), min(e[1] for e in each)
-    if abs(high - low) <= TOUCH and isinstance(thing, Agent) and flies(avoided[0].agent):
+    agent = avoided[0].agent
+    each = [kept_from(a.place.heights or EVERY, agent.thing) for a in avoided]
+    if not (isinstance(agent.thing, Agent) and flies(agent)):
+        low, high = max(e[0] for e in each), min(e[1] for e in each)
+        return (low, high), plugs() if low < high else []
+    found = meeting([a.place for a in avoided], each, plugs)
+    if found is None:
         names = " and ".join(f"`{a.place.shape.name}`" for a in avoided)
-        problem = f"{names} touch at the height {low:g} m, and `{thing.name}` keeps out of both"
+        height = max(e[0] for e in each)
+        problem = f"{names} touch at the height {height:g} m, and `{agent.name}` keeps out of all"
         hint = "let their heights overlap by a millimetre or more, or leave a gap"
         span = avoided[-1].span or avoided[0].span
         raise Mistake(NotInSpace(span=span, problem=problem, hint=hint))
-    return (low, high) if low < high else None
+    return found
 
 
 def _within(node: Node, start: float, end: float) -> Node:
@@ -271,24 +279,7 @@ def _add(
     """Count in what is avoided, within windows of steps."""
     key = (avoided.agent.name, id(avoided.place.shape), avoided.swept)
     known = kept.get(key)
-    kept[key] = _Kept(avoided, _merged([*(known.windows if known else ()), *windows]))
-
-
-def _merged(windows: Sequence[Window]) -> tuple[Window, ...]:
-    """Windows of steps in order, those that overlap or follow each other as one."""
-    found: list[Window] = []
-    for start, end in sorted(windows):
-        if found and start <= found[-1][1] + 1.0:
-            found[-1] = (found[-1][0], max(end, found[-1][1]))
-        else:
-            found.append((start, end))
-    return tuple(found)
-
-
-def _common(one: Sequence[Window], other: Sequence[Window]) -> tuple[Window, ...]:
-    """The steps in both of two merged lists."""
-    both = ((max(a[0], b[0]), min(a[1], b[1])) for a in one for b in other)
-    return tuple((start, end) for start, end in both if start <= end)
+    kept[key] = _Kept(avoided, merged([*(known.windows if known else ()), *windows]))
 
 
 def _kept(a: _Kept, shapes: Iterable[int], among: Mapping[_Key, _Kept]) -> Iterator[_Kept]:

@@ -14,6 +14,7 @@ from stlc.verify.chains import Chain
 from stlc.verify.clearance import outside
 from stlc.verify.conditions import Motions
 from stlc.verify.continuous import Extremum, distance, separation
+from stlc.verify.floors import floors
 from stlc.verify.link_models import CellModel, TrueModel, link_series, since
 from stlc.verify.lone import lone_samples
 from stlc.verify.motion import motion_violations, norm_notes, residual
@@ -98,6 +99,7 @@ def _violations(
     yield from requirement_violations(mission, requirements)
     yield from passages(mission, chains, bodies)
     yield from lone_samples(mission, chains, bodies)
+    yield from floors(mission, chains, bodies)
 
 
 def _residual(mission: Mission, plan: Plan) -> float:

@@ -30,14 +30,14 @@ def lone_samples(
     mission: Mission, chains: Mapping[str, Chain], bodies: Bodies
 ) -> Iterator[Violation]:
     """Samples inside the union of touching obstacles and in none of them."""
-    for agent, places in demanded(mission, _claim, mission.horizon + 1).items():
+    for agent, places in demanded(mission, claim, mission.horizon + 1).items():
         for t, names in _near(mission, agent, chains.get(agent), places, bodies):
             found = _inside(mission, chains[agent], t, names, bodies)
             if found is not None:
                 yield _violation(mission, agent, t, *found)
 
 
-def _claim(node: Node) -> tuple[str, str] | None:
+def claim(node: Node) -> tuple[str, str] | None:
     """Sample or motion: both speak of the sample."""
     swept, member = node.swept, node.member
     if swept is not None and swept.motion is Motion.OUTSIDE and swept.place is not None:

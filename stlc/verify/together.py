@@ -39,14 +39,15 @@ def passages(mission: Mission, chains: Mapping[str, Chain], bodies: Bodies) -> I
 
 def _avoided(mission: Mission) -> dict[str, list[set[str]]]:
     """For each agent the obstacles that it must keep out of, `swept`, after each step."""
+    return demanded(mission, claim, mission.horizon)
 
-    def claimed(node: Node) -> tuple[str, str] | None:
-        claim = node.swept
-        if claim is None or claim.motion is not Motion.OUTSIDE or claim.place is None:
-            return None
-        return claim.agent, claim.place
 
-    return demanded(mission, claimed, mission.horizon)
+def claim(node: Node) -> tuple[str, str] | None:
+    """An agent that keeps out of a place by its motion, and the place."""
+    swept = node.swept
+    if swept is None or swept.motion is not Motion.OUTSIDE or swept.place is None:
+        return None
+    return swept.agent, swept.place
 
 
 @dataclass(slots=True, eq=False)

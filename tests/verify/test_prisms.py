@@ -127,6 +127,33 @@ def test_what_touches_is_closed_between_its_common_heights():
     assert verify(found, outcome.plan).ok
 
 
+STACK = """obstacle p = box [4, 6] x [0, 10] x [0, 3]
+obstacle q = box [3, 5] x [0, 10] x [3, 5]
+require clear: always forall o in [p, q]: a outside o {}
+"""
+
+
+@pytest.mark.parametrize("how", ["", "swept"])
+def test_what_stands_on_another_leaves_no_way_between_them(how):
+    """At the height at which one ends and the other begins each leaves a way, and both none."""
+    found = mission(STACK.format(how) + "require there: always[2, 2] (a.x >= 4.2 and a.x <= 4.8)")
+    plan = solve_mission(found).plan
+    assert plan.runs["a"].states[2, 2] >= 5 - 1e-6  # over both
+    through = flown(found, (1, 5, 3), (2.9, 5, 3), (4.5, 5, 3), (6.1, 5, 3))
+    report = verify(found, through)
+    assert any("p and q, one of which stands on the other" in v.message for v in report.violations)
+    over = flown(found, (1, 5, 2), (2.9, 5, 5), (4.5, 5, 5), (6.1, 5, 5))
+    assert not any("stands on" in v.message for v in verify(found, over).violations)
+
+
+def test_what_stands_on_another_takes_nothing_but_the_seam():
+    """Under what hangs over, and on what it stands on beside it, is free."""
+    below = "require low: always[2, 3] (a.x >= 3.2 and a.x <= 3.8 and a.z <= 2.9)"
+    assert solve_mission(mission(STACK.format("swept") + below)).report.ok
+    beside = "require on: always[3, 4] (a.x >= 5.2 and a.x <= 5.8 and a.z <= 3.1)"
+    assert solve_mission(mission(STACK.format("swept") + beside)).report.ok
+
+
 def test_agents_pass_each_other_at_different_heights():
     found = mission("require apart: always separation(a, g) >= 2 m swept")
     report = verify(found, flown(found, (1, 5, 2), (1, 1, 2)))
@@ -144,8 +171,14 @@ def test_agents_pass_each_other_at_different_heights():
         "workspace box [0, 9] x [0, 9] x [0, 9]",
         "obstacle s = box [0, 1] x [0, 1] x [0, 5] + box [0, 1] x [1, 2] x [0, 6]",
         "region r = box [0, 1] x [0, 1] x [0, 5]\nrequire: eventually (1, 1) in r",
-        "obstacle p = box [4, 6] x [4, 6] x [0, 5]\nobstacle q = box [4, 6] x [4, 6] x [5, 8]\n"
+        # touching along a line, seen from above; one that moves; a third beside both
+        "obstacle p = box [4, 6] x [4, 6] x [0, 5]\nobstacle q = box [6, 8] x [4, 6] x [5, 8]\n"
         "require: always (a outside p and a outside q)",
+        "obstacle p = box [4, 6] x [4, 6] x [0, 5] velocity (0.1, 0)\n"
+        "obstacle q = box [4, 6] x [4, 6] x [5, 8]\nrequire: always (a outside p and a outside q)",
+        "obstacle p = box [4, 6] x [4, 6] x [0, 5]\nobstacle q = box [4, 6] x [4, 6] x [5, 8]\n"
+        "obstacle r = box [6, 8] x [4, 6] x [0, 8]\n"
+        "require: always forall o in obstacles: a outside o",
     ],
 )
 def test_what_cannot_be_said_in_space_is_refused(text):
