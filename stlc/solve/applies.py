@@ -28,6 +28,12 @@ def may_plan(work: Work) -> bool:
     return _is_costly_team(work) and work.x is None and not known_soon and work.can(LIMITED)
 
 
+def may_descend(work: Work) -> bool:
+    """`descents`: more than two agents that pay for their links, without a plan."""
+    many = len(work.compiled.mission.agents) > 2 and work.x is None
+    return many and _pays_for_pairs(work) and work.can(LIMITED)
+
+
 def falls_apart(work: Work) -> bool:
     """`groups`: a team of two groups or more, whose costs add up."""
     mission = work.compiled.mission

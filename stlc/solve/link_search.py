@@ -15,6 +15,16 @@ from stlc.solve.strategy import Work
 _LARGE = 400_000  # columns: more are not given to the solver whole when there is a plan
 
 
+def plan_links(work: Work) -> Work:
+    """A first plan along the runs of descents, where the relaxation understands the mission."""
+    problem = recognise(work.compiled)
+    if problem is None or not problem.pairs:
+        return work
+    session = Session(Frame(work.compiled, problem), work)
+    Team(session).plan()
+    return session.work()
+
+
 def search_links(work: Work) -> Work | Solution:
     """Bound and plan; where links are only asked for, the search just looks for a first plan."""
     problem = recognise(work.compiled)

@@ -2,6 +2,7 @@
 
     brief           small team models: a plain solve for a moment
     grids           small teams that their inputs move directly: as routes
+    descents        teams that pay for their links: each agent on a lattice, the others held
     turns           teams without a plan: one agent after the other, earlier ones held
     groups          agents that have nothing to do with each other: solved apart
     boxes           one agent that pays for where it is: runs over boxes and progress
@@ -129,6 +130,12 @@ def solve_twice_if_infeasible(model: Model, backend: Backend, options: SolveOpti
     return first if again.status in (Status.INFEASIBLE, Status.NO_SOLUTION) else again
 
 
+def _descents(work: Work) -> Work:
+    from stlc.solve.link_search import plan_links
+
+    return plan_links(work)
+
+
 def _turns(work: Work) -> Work:
     from stlc.solve.teams.turns import plan_in_turns
 
@@ -184,6 +191,7 @@ def _dive(work: Work) -> Work:
 
 
 BRIEF = Strategy("brief", applies.is_small, _try_briefly, heeds_caps=True)
+DESCENTS = Strategy("descents", applies.may_descend, _descents, heeds_caps=True)
 TURNS = Strategy("turns", applies.may_plan, _turns, heeds_caps=True)
 GROUPS = Strategy("groups", applies.falls_apart, _groups)
 GRIDS = Strategy("grids", applies.may_grid, _routes, heeds_caps=True)
@@ -196,6 +204,7 @@ LINKS = Strategy("links", applies.may_search_links, _links, heeds_caps=True)
 DIVE = Strategy("dive", applies.may_dive, _dive)
 MILP = Strategy("milp", lambda work: True, _solve_whole, heeds_caps=True)
 STRATEGIES: tuple[Strategy, ...] = (
-    BRIEF, GRIDS, TURNS, GROUPS, BOXES, ROUTES, LONE, NEIGHBOURHOODS, PARTS, LINKS, DIVE, MILP,
+    BRIEF, GRIDS, DESCENTS, TURNS, GROUPS, BOXES, ROUTES, LONE, NEIGHBOURHOODS, PARTS, LINKS, DIVE,
+    MILP,
 )  # fmt: skip
 """Every strategy, in the order in which they run; each imports its search when it does."""

@@ -56,6 +56,17 @@ class Team(Record):
     plunge_cut: float = 0.75  # of the gap, while plunging
 
 
+class Descents(Record):
+    """`heuristics/iterated.py`: runs of teams on lattices of controls, others held."""
+
+    idle: int = 40  # descents that better nothing; links_a4_t8_c10_s0 had its best after 17 in all,
+    # 1.3 CPU s, links_a6_t8_c10_s0 went from 203 to 190 in 14, 2.3 CPU s
+    sweeps: int = 6  # of all agents in one; mostly 3 are made
+    seconds: float = 10.0  # at most
+    share: float = 0.1  # of the time that is left, and at most
+    follow_seconds: float = 10.0  # for the plan along the best runs; takes 0.5 to 3
+
+
 class Dive(Record):
     """`heuristics/dive.py`: a run at the static robustness bound."""
 
@@ -183,16 +194,18 @@ class Near(Record):
     radius: float = 0.04  # of the workspace: the first tube around a plan; flat
     wider: float = 1.6
     narrowest: float = 0.005
-    priced: float = 0.25  # and where links cost: bounds take longer there
+    priced: float = 0.1  # and where links cost: 0.25 took 14 CPU s from the bounds of
+    # links_a4_t8_c10_s1 for a plan 0.5 % cheaper, and found nothing for links_a6_t8_c10_s0
     most: float = 300.0  # s
     start_share: float = 0.25  # of the time that is left, for a plan near one that is none any more
     start_seconds: float = 2.0  # and at most
 
 
-BRIEF, PAIR, TEAM, DIVE, LONE, PARTS = (
+BRIEF, PAIR, TEAM, DESCENTS, DIVE, LONE, PARTS = (
     Brief(),
     Pair(),
     Team(),
+    Descents(),
     Dive(),
     Lone(),
     Part(),

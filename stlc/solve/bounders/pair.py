@@ -34,7 +34,7 @@ class Search:
         self.bodies = (bodies[0], bodies[1])
         self.tubes = tuple(tubes(b, self.problem.steps) for b in bodies)
         self.tools = Tightener(session)
-        self.descent = Descent(self.problem, session.stopped)
+        self.descent = Descent(session.guide, session.stopped)
         self.dives = 0  # nodes when plans were last looked for
 
     def plan(self) -> bool:

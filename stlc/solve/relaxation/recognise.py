@@ -27,8 +27,10 @@ from stlc.solve.relaxation.link_costs import Costs
 from stlc.solve.relaxation.problem import Apart, Body, Problem
 
 
-def recognise(compiled: Compiled, *, borders: bool = False) -> Problem | None:
-    """The relaxation's view, or None where it has nothing to say. `borders`: as cells."""
+def recognise(compiled: Compiled, *, borders: bool = False, guide: bool = False) -> Problem | None:
+    """The relaxation's view, or None where it has nothing to say. `borders`: as cells. `guide`:
+    every table with its own costs, for searches that know where on a border a point is; with the
+    cells of states these bound nothing."""
     mission = compiled.mission
     links = [t for t in mission.objective if t.kind is TermKind.LINK_COST and t.weight != 0]
     efforts = [t for t in mission.objective if t.kind is TermKind.EFFORT and t.weight != 0]
@@ -50,7 +52,7 @@ def recognise(compiled: Compiled, *, borders: bool = False) -> Problem | None:
     found = [b for b in bodies if b is not None]
     if len(found) < len(bodies) or not _inside(compiled, names, channel.partition):
         return None
-    return _with_costs(compiled, found, links, asked, channel, borders)
+    return _with_costs(compiled, found, links, asked, channel, borders, guide)
 
 
 def _inside(compiled: Compiled, names: Sequence[str], partition: Partition) -> bool:
@@ -66,8 +68,9 @@ def _inside(compiled: Compiled, names: Sequence[str], partition: Partition) -> b
 
 
 def _add_costs(
-    compiled: Compiled, links: Sequence[ObjectiveTerm], partition: Partition, costs: Costs
-) -> float:
+    compiled: Compiled, links: Sequence[ObjectiveTerm], partition: Partition, costs: Costs,
+    proof: bool,
+) -> float:  # fmt: skip
     """Add link costs over a partition; the least that those over other cells come to."""
     mission, rest = compiled.mission, 0.0
     for term in links:
@@ -77,7 +80,7 @@ def _add_costs(
         for pair in term.pairs:
             table = weight * compiled.channels.cost(other.name, pair)
             same = np.array_equal(other.partition.boxes, partition.boxes)
-            if not same or not costs.add(pair, table, steps):
+            if not same or not costs.add(pair, table, steps, proof=proof):
                 rest += float(table.min()) * len(steps)
     return rest
 
@@ -89,6 +92,7 @@ def _with_costs(
     asked: Sequence[_Asked],
     channel: Channel,
     borders: bool,
+    guide: bool,
 ) -> Problem:
     """The relaxed problem over one channel's partition. Costs over other cells, and least costs of
     agents in no pair, come in as a constant."""
@@ -97,15 +101,15 @@ def _with_costs(
     assert fine.edges is not None
     x, y = fine.edges
     costs = Costs([b.name for b in bodies], partition, mission.horizon, borders)
-    rest = _add_costs(compiled, links, partition, costs)
+    rest = _add_costs(compiled, links, partition, costs, not guide)
     for i, own in enumerate(costs.alone):
         if not any(i in pair for pair in costs.pairs):
             rest += sum(float(cost.min()) for cost in own if cost is not None)
-    forbidding = _forbidding(compiled)
+    forbidding, proof = _forbidding(compiled), bool(links) and not guide
     for link in asked:
         other, at = mission.channels[link.channel], range(link.step, link.step + 1)
         if np.array_equal(other.partition.boxes, partition.boxes):
-            costs.add(link.pair, np.where(link.allowed, 0.0, forbidding), at, proof=bool(links))
+            costs.add(link.pair, np.where(link.allowed, 0.0, forbidding), at, proof=proof)
     key = np.ascontiguousarray(partition.boxes, dtype=np.float64).tobytes()
     if borders:
         owner = np.zeros(np.prod([2 * (len(e) - 1) - 1 for e in fine.edges]), np.int64)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
 from stlc.arrays import Bools, Floats
 from stlc.backends.base import Progress, Status
 from stlc.solve.relaxation.problem import Problem
+from stlc.solve.relaxation.recognise import recognise
 from stlc.solve.restricted.frame import Frame
-from stlc.solve.states.cells import cells_at, cheapest_cells, met
+from stlc.solve.states.cells import cells_at, cheapest_pairs, met
 from stlc.solve.strategy import Work
 
 _TOUCH = 1e-6  # m: cells this close count as touched
@@ -42,6 +44,11 @@ class Session:
             self._work, options=options, bound=self.bound, nodes=self._work.nodes + self.nodes,
             finder="link search" if better else self._work.finder,
         )  # fmt: skip
+
+    @cached_property
+    def guide(self) -> Problem:
+        """The problem with every table's own costs, see `recognise`."""
+        return recognise(self.frame.compiled, guide=True) or self.problem
 
     @property
     def seconds(self) -> float:
@@ -124,12 +131,13 @@ class Session:
         return self._over([self._close(path, radius) for path in paths], None, seconds, gap)
 
     def follow(self, paths: Sequence[Floats], seconds: float) -> bool:
-        """Make a plan near paths (T+1, 2): in one touched cell a step, one alternative of every
-        choice over time; True when it is an improvement."""
-        chosen = cheapest_cells(self.problem, paths)
+        """Make a plan near paths (T+1, 2): in touched cells, of which every pair takes the cheapest
+        two, and one alternative of every choice over time; True when it is an improvement."""
+        touched = [[cells_at(self.problem, point) for point in path] for path in paths]
         numbers = np.arange(self.problem.cells)
-        alive = [[numbers == cell for cell in own] for own in chosen]
-        return self._over(alive, paths, seconds, 1e-3)
+        alive = [[np.isin(numbers, cells) for cells in own] for own in touched]
+        taken = cheapest_pairs(self.guide, touched)
+        return self._over(alive, paths, seconds, 1e-3, taken)
 
     def around(self, free: Sequence[int], radius: float, seconds: float, gap: float) -> bool:
         """Solve with the agents `free` within `radius` [m] of the incumbent, the others in its
@@ -142,9 +150,10 @@ class Session:
 
     def _over(
         self, alive: Sequence[Sequence[Bools]], paths: Sequence[Floats] | None, seconds: float,
-        gap: float,
+        gap: float, taken: Mapping[tuple[int, int], Sequence[Bools]] | None = None,
     ) -> bool:  # fmt: skip
-        """Solve over alive[agent][t] (cells,), at `paths` if given."""
+        """Solve over alive[agent][t] (cells,), at `paths` if given, where tables take only the
+        pairs `taken` if given."""
         lower, upper = self.frame.bounds()
         for i, own in enumerate(alive):
             for t in range(1, self.problem.steps + 1):
@@ -157,8 +166,11 @@ class Session:
             if paths is not None:
                 self.frame.choose(upper, i, met(self.problem.bodies[i], paths[i]))
         for i, j in self.problem.pairs:
-            both = [np.logical_and.outer(a, b) for a, b in zip(alive[i], alive[j], strict=True)]
-            self.frame.keep_pairs(upper, (i, j), both)
+            if taken is None:
+                both = [np.logical_and.outer(a, b) for a, b in zip(alive[i], alive[j], strict=True)]
+                self.frame.keep_pairs(upper, (i, j), both)
+            else:
+                self.frame.keep_pairs(upper, (i, j), taken[i, j], taken=True)
         before = self.value
         self.milp(lower, upper, seconds, gap)
         return self.value < before

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stlc.arrays import Floats, Ints
+from stlc.arrays import Bools, Floats, Ints
 from stlc.solve.relaxation.problem import Body, Problem
 
 
@@ -38,25 +38,23 @@ def met(body: Body, path: Floats) -> list[int]:
     return list(range(len(body.places)))
 
 
-def cheapest_cells(problem: Problem, paths: Sequence[Floats]) -> list[Ints]:
-    """One touched cell for each agent and step (T+1,), so that links are cheap: agents in turn
-    choose against the others' cells."""
-    touched = [[cells_at(problem, point) for point in path] for path in paths]
-    chosen = [np.array([c[0] for c in own], np.int64) for own in touched]
-    for _ in range(2):
-        for i, own in enumerate(touched):
-            for t, cells in enumerate(own):
-                if len(cells) > 1:
-                    costs = sum(_costs(problem, i, j, t, cells, int(chosen[j][t]))
-                                for j in range(len(paths)) if j != i)  # fmt: skip
-                    chosen[i][t] = cells[int(np.argmin(costs))]
-    return chosen
+def cheapest_pairs(
+    problem: Problem, touched: Sequence[Sequence[Ints]]
+) -> dict[tuple[int, int], list[Bools]]:
+    """For each pair of agents and step (cells, cells): the cheapest pair of the cells that both
+    touch, touched[agent][t] (k,); all of these where nothing costs."""
+    return {
+        (i, j): [_cheapest(problem, table, touched[i][t], touched[j][t])
+                 for t, table in enumerate(tables)]
+        for (i, j), tables in problem.pairs.items()
+    }  # fmt: skip
 
 
-def _costs(problem: Problem, i: int, j: int, t: int, cells: Ints, other: int) -> Floats:
-    tables = problem.pairs.get((min(i, j), max(i, j)))
-    table = None if tables is None else tables[t]
+def _cheapest(problem: Problem, table: Floats | None, a: Ints, b: Ints) -> Bools:
+    found = np.zeros((problem.cells, problem.cells), bool)
     if table is None:
-        return np.zeros(len(cells))
-    costs: Floats = table[cells, other] if i < j else table[other, cells]
-    return costs
+        found[np.ix_(a, b)] = True
+        return found
+    i, j = np.unravel_index(int(np.argmin(table[np.ix_(a, b)])), (len(a), len(b)))
+    found[a[i], b[j]] = True
+    return found
