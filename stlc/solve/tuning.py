@@ -190,7 +190,8 @@ class Near(Record):
     bound: float = 0.1  # and where agents are bound to each other: what they do alone is no guide
     alone: float = 0.5  # and to plan around that in turn
     beside: tuple[float, ...] = (0.02, 0.035, 0.06, 0.1)  # of the workspace: tubes around that
-    sides: float = 0.6  # of that, with most disjunctions decided as those runs do
+    crowd: float = 0.9  # and of a crowd, of which tubes around a plan are too large to search
+    sides: float = 0.8  # of that, with most disjunctions decided as those runs do
     radius: float = 0.04  # of the workspace: the first tube around a plan; flat
     wider: float = 1.6
     narrowest: float = 0.005

@@ -24,22 +24,38 @@ from stlc.solve.teams.sides import decided
 
 def beside(work: Work, runs: Mapping[str, Run], deadline: Deadline) -> Work:
     """With the best plan near runs of all agents that need not get along: where most is decided as
-    they do, or else in the narrowest tube that holds one."""
+    they do, in wider and wider tubes while that helps, or else in the narrowest that holds one."""
     states = {name: run[0] for name, run in runs.items()}
     size = extent(work.compiled)
     near = [tube(work.compiled, states, part * size) for part in tuning.NEAR.beside]
-    sides = (decided(work.compiled, model, runs) for model in near)
-    better = _first(work, sides, deadline.share(tuning.NEAR.sides))
-    return _first(work, near, deadline) if better.x is None else better
+    moment = deadline.share(tuning.NEAR.sides)
+    for model in near:
+        better = _tried(work, decided(work.compiled, model, runs), moment)
+        if better is None:
+            continue
+        if better is work or moment.over():
+            work = better
+            break
+        work = better
+    return work if work.x is not None else _first(work, near, deadline)
 
 
 def _first(work: Work, models: Iterable[Model], deadline: Deadline) -> Work:
     """The work with the best plan of the first model that isn't proven to hold none."""
     for model in models:
-        found = _solved(work, model, deadline)
-        if found is None or found.status is not Status.INFEASIBLE:
-            return work if found is None else work.with_point(found.x, "runs beside lone ones")
+        better = _tried(work, model, deadline)
+        if better is not None:
+            return better
     return work
+
+
+def _tried(work: Work, model: Model, deadline: Deadline) -> Work | None:
+    """The work with the best plan of a model if it is better; None where it is proven to have
+    none."""
+    found = _solved(work, model, deadline)
+    if found is not None and found.status is Status.INFEASIBLE:
+        return None
+    return work if found is None else work.with_point(found.x, "runs beside lone ones")
 
 
 @dataclass(slots=True)

@@ -91,7 +91,9 @@ class Improvement:
             return
         if alone.keys() >= self.work.compiled.states.keys():
             bound = any(Couplings.of(self.work.compiled).bound.values())
-            part = tuning.NEAR.bound if bound else tuning.NEAR.joint
+            crowd = len(alone) >= tuning.LONE.crowd
+            free = tuning.NEAR.crowd if crowd else tuning.NEAR.joint
+            part = tuning.NEAR.bound if bound else free
             self.work = beside(self.work, alone, self.deadline.share(part))
         if self.work.x is not None:
             return
