@@ -84,13 +84,20 @@ def _facts(mission: Mission, name: str) -> str:
 
 
 def _agent(agent: Agent) -> str:
-    """States and inputs with their units and bounds."""
+    """States and inputs with their units and bounds; of a robot its tube."""
     model = agent.dynamics
     rows = [
         *zip(model.states, model.state_units, agent.state_lower, agent.state_upper, strict=True),
         *zip(model.inputs, model.input_units, agent.input_lower, agent.input_upper, strict=True),
     ]
-    return "\n".join(f"- `{name}`{_measure(unit, low, high)}" for name, unit, low, high in rows)
+    said = [f"- `{name}`{_measure(unit, low, high)}" for name, unit, low, high in rows]
+    if agent.robot is not None:
+        robot = agent.robot
+        said.append(
+            f"- a {robot.kind.value} within {robot.radius:.4g} m of its plan, which is that of a "
+            f"point {robot.lookahead:.4g} m ahead, at most {robot.planned_speed:.4g} m/s fast"
+        )
+    return "\n".join(said)
 
 
 def _measure(unit: str, low: float, high: float) -> str:

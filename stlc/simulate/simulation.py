@@ -20,6 +20,7 @@ from stlc.simulate.estimate import Estimate, Simulation, interval
 from stlc.simulate.radio import draw_packets
 from stlc.simulate.runs import Runs, draw_runs, is_noisy
 from stlc.verify.requirements import SweptOverride, swept_override
+from stlc.verify.robots import drives
 from stlc.verify.robustness import TOLERANCE, Evaluator, unit
 from stlc.verify.subject import check_shape
 from stlc.verify.trace import Trace
@@ -68,7 +69,8 @@ def simulate(
     return Simulation(
         mission.source.name, draws, seed, confidence,
         tuple(_estimate(r, value, draws, confidence) for r, value in judged),
-        _counted(ALL, 0.0, together, draws, confidence), tuple(_notes(mission, formulas, fading)),
+        _counted(ALL, 0.0, together, draws, confidence),
+        (*_notes(mission, formulas, fading), *_driven(mission, plan)),
         tuple(_wished(p, evaluator, draws, confidence) for p in wishes),
     )  # fmt: skip
 
@@ -165,6 +167,18 @@ def _in_workspace(mission: Mission, runs: Runs) -> Iterator[Array]:
     yield np.min(slacks, axis=0)[None, :]
 
 
+def _driven(mission: Mission, plan: Plan) -> Iterator[str]:
+    """How far robots are off their plans, where their controllers take them."""
+    for name, driven in drives(mission, plan.runs, plan.executed).items():
+        robot = mission.agents[name].robot
+        off = float(driven.off[plan.executed * driven.periods :].max(initial=0.0))
+        assert robot is not None
+        yield (
+            f"{name} is driven along the plan by its controller: at most {off:.4g} m off it, "
+            f"in its tube of {robot.radius:.4g} m"
+        )
+
+
 def _notes(mission: Mission, formulas: list[Node], fading: bool) -> Iterator[str]:
     """What a reader should know of how the draws were made."""
     nodes = [node for formula in formulas for node in walk(formula)]
@@ -174,8 +188,5 @@ def _notes(mission: Mission, formulas: list[Node], fading: bool) -> Iterator[str
     shaken = {name for name, agent in mission.agents.items() if is_noisy(agent)}
     if shaken:
         yield f"noise, and the plan as it stands, without feedback: {', '.join(sorted(shaken))}"
-    driven = sorted(name for name, agent in mission.agents.items() if agent.robot is not None)
-    if driven:
-        yield f"where its controller takes it along the plan: {', '.join(driven)}"
     if any(n.swept is not None and _movers(n) & shaken for n in nodes):
         yield "`swept` of noisy agents is judged by what is sufficient: it holds at least as often"

@@ -88,6 +88,7 @@ def drive(robot: Robot, run: Run, step: float, past: int = 0) -> Drive:
     for k, (goal_x, goal_y) in enumerate(goals[1:]):
         if k % periods == 0 and k // periods <= past:
             x, y = goals[k][0] - b * cos(theta), goals[k][1] - b * sin(theta)
+            places[-1] = (x, y)
         dx, dy = goal_x - x - b * cos(theta), goal_y - y - b * sin(theta)
         ahead, aside = cos(theta) * dx + sin(theta) * dy, cos(theta) * dy - sin(theta) * dx
         v, omega = command(robot, ahead, aside)

@@ -50,6 +50,13 @@ def test_robots_have_properties_of_their_own(text: str, offered: bool) -> None:
     assert "start" in found
 
 
+def test_hover_tells_the_tube_of_a_robot() -> None:
+    text = "agent r : unicycle { start (1, 1); speed <= 1; turn_rate <= 2 }\n"
+    text += "require a: eventually[0, 4] r.x >= 3\n"
+    said, _ = hover(read_document(text, None), text.index("r :"))
+    assert "a unicycle within 0.5001 m of its plan" in said
+
+
 def test_names_are_told_apart_by_what_binds_them():
     assert len(names(FAMILY, "wide")) == 3
     assert len(names(FAMILY, "uav")) == 4

@@ -30,5 +30,7 @@ def test_a_robot_goes_on_with_the_heading_that_it_has(robot: str) -> None:
     truth = driven(mission.agents["r"].robot, states[:5], 1.0).headings[-1]
     assert np.cos(left.heading - truth) == pytest.approx(1.0, abs=1e-9)
     assert np.cos(left.heading - mission.agents["r"].robot.heading) < 0.999
+    far = api.replan(mission, plan, 4, {"r": states[4] + np.array([5.0, 1.0])})
+    assert not any(v.kind == "tracking" for v in far.report.violations)
     again = api.replan(mission, plan, 4, {"r": states[4] + np.array([0.02, -0.03])})
     assert verify(mission, again.plan).ok

@@ -173,6 +173,7 @@ def test_missions_of_unicycles_hold_for_the_nonlinear_model(seed: int) -> None:
     assert any("drives within 0.3" in note for note in outcome.report.notes)
     _keeps(mission, outcome.plan)
     found = simulate(mission, outcome.plan, draws=10)
+    assert any("in its tube of 0.3" in note for note in found.notes)
     assert all(e.hold == 10 for e in found.requirements)
 
 
