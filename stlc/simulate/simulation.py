@@ -55,8 +55,7 @@ def simulate(
     mission = with_learned(mission, plan.learned)
     if draws < 1 or not 0.0 < confidence < 1.0:
         raise UsageError("a simulation needs at least one draw and a confidence between 0 and 1")
-    rng = np.random.default_rng(seed)
-    runs = draw_runs(mission, plan, draws, rng)
+    runs = draw_runs(mission, plan, draws, rng := np.random.default_rng(seed))
     wishes = [p for p in mission.preferences if not p.cost]
     formulas = [r.formula for r in mission.requirements] + [p.formula for p in wishes]
     packets = draw_packets(mission, runs, formulas, draws, rng, fading)
@@ -64,13 +63,13 @@ def simulate(
     evaluator = Evaluator(trace, _certain_motion(mission, swept_override(mission, plan.runs)))
     judged = [(r, evaluator.robustness(r.formula)[:1]) for r in mission.requirements]
     judged += [(_INSIDE, value) for value in _in_workspace(mission, runs)]
-    holds = (_holds(value, r.margin) for r, value in judged)
+    holds = [_holds(value, r.margin) for r, value in judged]
     together = reduce(np.logical_and, holds, np.ones(1, dtype=bool))
     return Simulation(
         mission.source.name, draws, seed, confidence,
         tuple(_estimate(r, value, draws, confidence) for r, value in judged),
         _counted(ALL, 0.0, together, draws, confidence),
-        (*_notes(mission, formulas, fading), *_driven(mission, plan)),
+        tuple(_notes(mission, plan, formulas, fading)),
         tuple(_wished(p, evaluator, draws, confidence) for p in wishes),
     )  # fmt: skip
 
@@ -179,7 +178,7 @@ def _driven(mission: Mission, plan: Plan) -> Iterator[str]:
         )
 
 
-def _notes(mission: Mission, formulas: list[Node], fading: bool) -> Iterator[str]:
+def _notes(mission: Mission, plan: Plan, formulas: list[Node], fading: bool) -> Iterator[str]:
     """What a reader should know of how the draws were made."""
     nodes = [node for formula in formulas for node in walk(formula)]
     if any(isinstance(n, Link) for n in nodes):
@@ -188,5 +187,6 @@ def _notes(mission: Mission, formulas: list[Node], fading: bool) -> Iterator[str
     shaken = {name for name, agent in mission.agents.items() if is_noisy(agent)}
     if shaken:
         yield f"noise, and the plan as it stands, without feedback: {', '.join(sorted(shaken))}"
+    yield from _driven(mission, plan)
     if any(n.swept is not None and _movers(n) & shaken for n in nodes):
         yield "`swept` of noisy agents is judged by what is sufficient: it holds at least as often"
