@@ -105,11 +105,12 @@ def receiver(model: ChannelModel, pair: Pair) -> str | None:
 
 
 def true_links(mission: Mission, model: ChannelModel, pair: Pair, a: Array, b: Array) -> Array:
-    """The links (K, 4), or (K, 6) where heights count, between places a and b (K, 3) [m]; antennas
-    are above their agents."""
+    """The links (K, 4), or (K, 6) where heights count, between places a and b (K, 3) [m], in the
+    plane (K, 2) too; antennas are above their agents."""
     axes = dimensions(mission, model, pair)
-    ends = [np.asarray(p) + raised(mission, name) for name, p in zip(pair, (a, b), strict=True)]
-    return np.hstack([np.asarray(end, dtype=np.float64)[:, :axes] for end in ends])
+    ends = [np.asarray(place, dtype=np.float64)[:, :axes] for place in (a, b)]
+    up = [raised(mission, name)[: end.shape[1]] for name, end in zip(pair, ends, strict=True)]
+    return np.hstack([end + by for end, by in zip(ends, up, strict=True)])
 
 
 def raised(mission: Mission, name: str) -> Array:
