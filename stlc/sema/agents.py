@@ -13,7 +13,7 @@ from stlc.sema import noise, props, robots
 from stlc.sema.bounds import Bounds, apply
 from stlc.sema.dynamics import STRUCTURE, dynamics
 from stlc.sema.files import Files
-from stlc.sema.heights import antenna
+from stlc.sema.heights import antenna, stay_within
 from stlc.sema.integrators import KINDS, ROBOTS, named
 from stlc.sema.members import unit_of
 from stlc.sema.name_errors import UnknownName, WrongKind
@@ -58,8 +58,7 @@ def family(statement: ast.AgentDecl, numbers: ast.Range, scope: Scope) -> Items:
     members = []
     for number in range(first, last + 1):
         name = f"{statement.name.text}[{number}]"
-        made = agent(statement, name, Env({"i": Scalar(float(number))}), scope)
-        scope.agents[name] = made
+        scope.agents[name] = made = agent(statement, name, Env({"i": Scalar(number)}), scope)
         members.append(Radio(made))
     return Items(tuple(members), "family")
 
@@ -68,6 +67,7 @@ def _apply_all(every: Iterable[ast.Property], bounds: Bounds, scope: Scope) -> N
     for prop in every:
         with scope.report.guard():
             apply(prop, bounds, scope)
+    stay_within(bounds, scope)
 
 
 def agent(statement: ast.AgentDecl, name: str, env: Env, scope: Scope) -> Agent:

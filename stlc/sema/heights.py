@@ -19,6 +19,7 @@ from stlc.sema.values import Env
 
 if TYPE_CHECKING:
     from stlc.radio.gp import ChannelModel
+    from stlc.sema.bounds import Bounds
 
 Ends = tuple[float, float]
 Levels = tuple[float, float]
@@ -102,6 +103,16 @@ def check_samples(
         hint = "give heights of both ends in columns, such as `tx_z` and `rx_z`"
         span = block.by_key["samples"].span
         raise Mistake(BadChannel(span=span, channel=channel, problem=problem, hint=hint))
+
+
+def stay_within(bounds: Bounds, scope: Scope) -> None:
+    """Floor and ceiling of the workspace bound the height of who flies."""
+    row, levels = bounds.dynamics.altitude, scope.space_levels
+    if row is None or levels is None:
+        return
+    k = int(np.argmax(row))
+    bounds.state_lower[k] = max(float(bounds.state_lower[k]), levels[0])
+    bounds.state_upper[k] = min(float(bounds.state_upper[k]), levels[1])
 
 
 def antenna(block: props.Block, base: Dynamics, env: Env, scope: Scope) -> float:

@@ -20,21 +20,9 @@ from stlc.sema.scalars import absolute, maximum
 from stlc.sema.unit_errors import WrongUnit
 from stlc.sema.units import Unit
 from stlc.sema.values import (
-    Chance,
-    ChannelName,
-    Env,
-    Items,
-    Members,
-    Place,
-    Radio,
-    Scalar,
-    Separation,
-    Tally,
-    Text,
-    Truth,
-    Value,
-    describe,
-)
+    Chance, ChannelName, Env, Items, Members, Place, Radio, Scalar, Separation,
+    Tally, Text, Truth, Value, describe,
+)  # fmt: skip
 from stlc.source import Span
 from stlc.syntax import ast
 
@@ -79,6 +67,7 @@ class Scope:
     step: float = 1.0
     last_step: int = 0  # T as far as it is known, for obstacles that move for ever
     workspace: Polytope | None = None
+    space_levels: tuple[float, float] | None = None  # its floor and ceiling [m]
     unread_workspace: bool = False  # it is declared, with a mistake
     models: dict[str, Dynamics] = field(default_factory=dict)
     agents: dict[str, Agent] = field(default_factory=dict)

@@ -7,8 +7,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from stlc.bezier import Curve
 from stlc.ir.nodes import walk
 from stlc.ir.requirement import Requirement
+from stlc.mission import Agent
 from stlc.sema.report import Mistake
 from stlc.sema.scope import Scope
 from stlc.sema.shape_errors import NotConvex
@@ -32,10 +34,7 @@ def declare_workspace(statement: ast.Workspace | None, text: str, shaper: Shaper
         if len(pieces) != 1:
             raise Mistake(NotConvex(span=statement.shape.span))
         scope.workspace, scope.unread_workspace = pieces[0], False
-        if shaper.heights(statement.shape) is not None:
-            problem = "a workspace is of the plane"
-            hint = "bound the heights of agents: `pz in [0, 50]`"
-            raise Mistake(NotInSpace(span=statement.shape.span, problem=problem, hint=hint))
+        scope.space_levels = shaper.heights(statement.shape)
 
 
 def holds_between(
@@ -55,4 +54,16 @@ def holds_between(
                 states = [int(k) for k in np.flatnonzero(position.any(axis=0))]
                 moves = known_curve(agent, scope, statement.span)
                 known_degree(moves, agent, states, statement.span)
+                _check_floor(agent, moves, statement, scope)
     return found
+
+
+def _check_floor(agent: Agent, moves: Curve, statement: ast.Workspace, scope: Scope) -> None:
+    """Floor and ceiling are bounds of states, which hold between the steps for straight motions."""
+    row = agent.dynamics.altitude
+    if scope.space_levels is None or row is None:
+        return
+    if known_degree(moves, agent, [int(np.argmax(row))], statement.span) > 1:
+        problem = f"floor and ceiling hold for `{agent.name}` at the steps only"
+        hint = "leave them out and ask for `always (0 m <= a.z <= 9 m) swept`, or say `sampled`"
+        raise Mistake(NotInSpace(span=statement.shape.span, problem=problem, hint=hint))

@@ -154,6 +154,19 @@ def test_what_stands_on_another_takes_nothing_but_the_seam():
     assert solve_mission(mission(STACK.format("swept") + beside)).report.ok
 
 
+def test_a_workspace_has_a_floor_and_a_ceiling():
+    """They bound who flies, beside its own bounds, and nobody on the ground."""
+    head = HEAD.replace("x [0, 10]\ndyn", "x [0, 10] x [1, 4]\ndyn").replace("pz in [0, 10]; ", "")
+    found = loads(head.format("require: eventually a.x >= 2 m\nmaximize total(a.z)"))
+    assert (found.agents["a"].state_lower[2], found.agents["a"].state_upper[2]) == (1.0, 4.0)
+    plan = solve_mission(found).plan
+    assert plan.runs["a"].states[:, 2].max() == pytest.approx(4.0)
+    report = verify(found, flown(found, (1, 5, 2), (2, 5, 5)))
+    assert any("pz" in v.message for v in report.violations)
+    narrow = loads(HEAD.replace("x [0, 10]\ndyn", "x [0, 10] x [1, 4]\ndyn").format(""))
+    assert narrow.agents["a"].state_lower[2] == 1.0
+
+
 def test_agents_pass_each_other_at_different_heights():
     found = mission("require apart: always separation(a, g) >= 2 m swept")
     report = verify(found, flown(found, (1, 5, 2), (1, 1, 2)))
@@ -168,7 +181,8 @@ def test_agents_pass_each_other_at_different_heights():
 @pytest.mark.parametrize(
     "text",
     [
-        "workspace box [0, 9] x [0, 9] x [0, 9]",
+        "workspace box [0, 10] x [0, 10] x [0, 9] swept\ndynamics heavy = double_integrator "
+        "{ dimensions 3; control |u| <= 1 }\nagent h : heavy { start (1, 1, 1) }",
         "obstacle s = box [0, 1] x [0, 1] x [0, 5] + box [0, 1] x [1, 2] x [0, 6]",
         "region r = box [0, 1] x [0, 1] x [0, 5]\nrequire: eventually (1, 1) in r",
         # touching along a line, seen from above; one that moves; a third beside both
