@@ -20,9 +20,21 @@ from stlc.sema.scalars import absolute, maximum
 from stlc.sema.unit_errors import WrongUnit
 from stlc.sema.units import Unit
 from stlc.sema.values import (
-    Chance, ChannelName, Env, Items, Members, Place, Radio, Scalar, Separation,
-    Tally, Text, Truth, Value, describe,
-)  # fmt: skip
+    Chance,
+    ChannelName,
+    Env,
+    Items,
+    Members,
+    Place,
+    Radio,
+    Scalar,
+    Separation,
+    Tally,
+    Text,
+    Truth,
+    Value,
+    describe,
+)
 from stlc.source import Span
 from stlc.syntax import ast
 
@@ -30,7 +42,6 @@ if TYPE_CHECKING:
     from stlc.sema.signals import Need
 
 MOST_LEVELS = 110
-
 MOST_WORK = 600_000
 """Evaluations of one file: some three seconds and 300 MB. A file of 100 kB without quantifiers and
 definitions needs 50 000 at most."""
