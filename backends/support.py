@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import importlib.util
+import sys
 import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from queue import Empty, SimpleQueue
+from typing import Final
 
 import numpy as np
 
@@ -122,6 +124,10 @@ def point(values: object, columns: int, solver: str) -> Floats:
     return x
 
 
+THREADS: Final = sys.platform not in ("emscripten", "wasi")
+"""Browsers have none: what would run in one runs at once, and is asked where it asks."""
+
+
 @dataclass(slots=True)
 class Worker:
     """Runs a solve in a thread; reports come out in the caller's thread, where Ctrl-C arrives.
@@ -137,6 +143,8 @@ class Worker:
 
     def stopping(self) -> bool:
         """Has somebody asked to stop?"""
+        if not THREADS:
+            self._ask(None)
         return self._stop.is_set()
 
     def report(self, progress: Progress) -> None:
@@ -147,10 +155,14 @@ class Worker:
         if progress.incumbent is None and now - self._last < _PAUSE:
             return
         self._last = now
+        if not THREADS:
+            return self.options.on_progress(progress)
         self._events.put(progress)
 
     def run(self, work: Callable[[], None], cancel: Callable[[], None] | None = None) -> None:
         """Run `work` to its end; `cancel` is called once when it has to stop."""
+        if not THREADS:
+            return work()
         with ThreadPoolExecutor(1) as pool:
             future = pool.submit(work)
             future.add_done_callback(lambda _: self._events.put(None))

@@ -82,7 +82,7 @@ MAY: Mapping[str, set[str]] = {
     "front": {
         "api", "explain", "milp", "mission", "plan", "plot", "report", "solve", "syntax", "verify",
     },
-    "playground": {"api", "render", "report", "solve", "syntax", "mission"},
+    "playground": {"api", "backends", "render", "report", "solve", "syntax", "mission"},
     "sweep": {"api", "mission", "plan", "plot", "solve"},
     "conformance": {"api", "milp", "backends", "solve"},
     "dialects": {"syntax", "grammar", "sema", "api"},

@@ -71,11 +71,14 @@ def solved(text: str, seconds: float = 20.0) -> dict[str, Any]:
     StlcError where there is no plan, as `stlc.api.solve`.
     """
     from stlc.api import solve
+    from stlc.backends.support import THREADS
     from stlc.report import report_page
     from stlc.solve.outcome import SolveSettings
 
     mission = _load(text)
-    outcome = solve(mission, SolveSettings(time_limit=min(seconds, LONGEST), threads=1))
+    strategy = "auto" if THREADS else "milp"  # searches over teams have threads of their own
+    limit = min(seconds, LONGEST)
+    outcome = solve(mission, SolveSettings(strategy=strategy, time_limit=limit, threads=1))
     return {"report": report_page(mission, outcome.plan), "said": outcome.report.text()}
 
 

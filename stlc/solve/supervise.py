@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from queue import Empty, SimpleQueue
 from typing import Generic, TypeVar
 
+from stlc.backends import support
 from stlc.backends.base import Progress, SolveOptions
 from stlc.backends.quiet import aloud
 from stlc.solve.deadline import Deadline
@@ -49,8 +50,11 @@ class Supervisor(Generic[T]):
         """The answer; None when the work was left behind.
 
         `options.on_progress` is called in this thread; of several reports that wait, those whose
-        point is not the newest come without it. What `work` raises is raised here.
+        point is not the newest come without it. What `work` raises is raised here. Where there are
+        no threads the work is done at once, and keeps its limits as well as it can.
         """
+        if not support.THREADS:
+            return self.work(self.options)
         thread = threading.Thread(target=self._solve, name=_NAME, daemon=True)
         thread.start()
         try:

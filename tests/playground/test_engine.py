@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import threading
 from typing import Any
 
 import pytest
 from support.command import CONFLICT, MISSION
 
+from stlc.backends import support
 from stlc.playground import engine
 from stlc.playground.engine import answer
 
@@ -57,3 +59,14 @@ def test_what_fails_is_said_with_its_status() -> None:
     assert asked("solve", text=CONFLICT)["status"] == 3
     found = asked("solve", text=WRONG)
     assert (found["status"], found["problems"][0]["code"]) == (1, "E0206")
+
+
+def test_a_mission_is_solved_where_there_are_no_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    def none(thread: threading.Thread) -> None:
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(threading.Thread, "start", none)
+    with pytest.raises(RuntimeError):
+        asked("solve", text=MISSION)
+    monkeypatch.setattr(support, "THREADS", False)
+    assert "visit" in asked("solve", text=MISSION)["said"]
