@@ -10,7 +10,11 @@ over predicates of one agent at one step, keeping only what matters:
 
 Products are taken while the number of terms stays small, so nothing blows up. Obstacles become a
 choice of one maximal free polytope, which has one literal instead of one for each obstacle and a
-far tighter relaxation (see `milp/formulas/choice.py`).
+far tighter relaxation (see `milp/formulas/choice.py`). Where nothing but effort is minimised, what
+can be passed on all sides stays a clause of its own: polytopes around such islands overlap, and
+which of them a point is in costs nothing. Narrow passages of stlpy, least effort: 30 steps proven
+in 6 s instead of a gap of 74 % after 12, 25 steps 2.1 instead of 6.1, three islands 6 instead of
+12; walls, whose products are rooms, take up to 3 times longer apart.
 
 Needs: decide (for pruned alternatives). Guarantees: the runs with robustness >= margin are the
 same, and on them so is the robustness (min and max distribute over each other).
@@ -18,11 +22,14 @@ same, and on them so is the robustness (min and max distribute over each other).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from itertools import pairwise
 
 from stlc.ir.nodes import And, Linear, Node, Or, Terms
 from stlc.ir.rewrite import conjuncts
 from stlc.ir.verify import Stage
+from stlc.mission import TermKind
 from stlc.passes.base import Pass, Program
 from stlc.source import Span
 
@@ -36,11 +43,14 @@ _Place = tuple[str, int]
 
 def run(program: Program) -> Program:
     """Multiply out in every requirement's top conjunction."""
-    return program.with_formulas([_rebuilt(r.formula, r.margin) for r in program.requirements])
+    costs = {term.kind for term in program.mission.objective if term.weight != 0}
+    apart = costs == {TermKind.EFFORT}
+    formulas = [_rebuilt(r.formula, r.margin, apart) for r in program.requirements]
+    return program.with_formulas(formulas)
 
 
-def _rebuilt(formula: Node, margin: float) -> Node:
-    """A conjunction with its clauses about one place multiplied out."""
+def _rebuilt(formula: Node, margin: float, apart: bool) -> Node:
+    """A conjunction with its clauses about one place multiplied out, islands `apart`."""
     if not isinstance(formula, And):
         return formula
     groups: dict[_Place, list[Node]] = {}
@@ -51,7 +61,7 @@ def _rebuilt(formula: Node, margin: float) -> Node:
             rest.append(arg)
         else:
             groups.setdefault(place, []).append(arg)
-    built = [node for group in groups.values() for node in _multiplied(group, margin)]
+    built = [node for group in groups.values() for node in _apart(group, margin, apart)]
     if len(built) + len(rest) == 1:
         return (built + rest)[0]
     return And((*built, *rest), span=formula.span)
@@ -69,6 +79,28 @@ def _place(node: Node) -> _Place | None:
                 return None
             places.update((signal.owner, signal.shift) for signal, _ in atom.terms)
     return places.pop() if len(places) == 1 else None
+
+
+def _apart(group: Sequence[Node], margin: float, apart: bool) -> list[Node]:
+    """Clauses of one place, of several all but islands multiplied out."""
+    islands = [node for node in group if apart and len(group) > 1 and _is_island(node)]
+    others = [node for node in group if node not in islands]
+    return [*(_multiplied(others, margin) if others else ()), *islands]
+
+
+def _is_island(node: Node) -> bool:
+    """Whether a disjunction keeps off a bounded part of a plane: half-planes whose normals leave no
+    half-turn free."""
+    if not isinstance(node, Or) or not all(isinstance(arg, Linear) for arg in node.args):
+        return False
+    faces = [dict(arg.terms) for arg in node.args if isinstance(arg, Linear)]
+    signals = list(dict.fromkeys(signal for face in faces for signal in face))
+    if len(signals) != 2:
+        return False
+    x, y = signals
+    angles = sorted(math.atan2(face.get(y, 0.0), face.get(x, 0.0)) for face in faces)
+    gaps = [b - a for a, b in pairwise([*angles, angles[0] + 2 * math.pi])]
+    return max(gaps) < math.pi - _TOLERANCE
 
 
 def _multiplied(group: Sequence[Node], margin: float) -> list[Node]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
@@ -18,28 +19,37 @@ class _Watch:
     work: Work
     soon: Deadline
     late: Deadline
-    goes_on: Callable[[], bool]
-    seen: bool = field(init=False)
+    goes_on: Callable[[float], bool]
+    best: float = field(init=False)
+    _decided: bool | None = None
 
     def __post_init__(self) -> None:
-        self.seen = self.work.x is not None
+        self.best = self.work.value
 
     def see(self, progress: Progress) -> None:
-        self.seen = self.seen or progress.incumbent is not None
+        if progress.incumbent is not None and progress.objective is not None:
+            self.best = min(self.best, progress.objective)
         if self.work.options.on_progress is not None:
             self.work.options.on_progress(progress)
 
     def stop(self) -> bool:
         if self.work.deadline.over():
             return True
-        return self.late.over() and not self.goes_on() if self.seen else self.soon.over()
+        if not math.isfinite(self.best):
+            return self.soon.over()
+        if self._decided is None and self.late.over():
+            self._decided = not self.goes_on(self.best)
+        return bool(self._decided)
 
 
 def glance(
-    work: Work, soon: Deadline, late: Deadline, goes_on: Callable[[], bool] = lambda: False
+    work: Work,
+    soon: Deadline,
+    late: Deadline,
+    goes_on: Callable[[float], bool] = lambda value: False,
 ) -> Work | Solution | None:
     """The work after a plain solve of the whole model: until `soon`, where there is a plan until
-    `late`, and on to its end where `goes_on` says so then.
+    `late`, and on to its end where `goes_on` of what the plan costs says so then.
 
     A Solution where that is proven or the time is over; None where it says infeasible, which is to
     be settled elsewhere, or fails.

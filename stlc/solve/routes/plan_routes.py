@@ -21,7 +21,12 @@ def plan_routes(work: Work) -> Work | Solution:
     """A first plan by ways from visit to visit or else by beams, better ones near it, bounds; where
     a plan is known, or found at a glance, bounds first."""
     known = cache(partial(_bounds, work))
-    begun = _glanced(work, lambda: known() is None)
+
+    def goes_on(value: float) -> bool:
+        found = known()
+        return found is None or not found.promises(value)
+
+    begun = _glanced(work, goes_on)
     if begun is None or isinstance(begun, Solution):
         return begun or work
     bounds = known()
@@ -42,9 +47,9 @@ def _bounds(work: Work) -> Bounds | None:
     return None if bounds is None or bounds.says_nothing() else bounds
 
 
-def _glanced(work: Work, goes_on: Callable[[], bool]) -> Work | Solution | None:
+def _glanced(work: Work, goes_on: Callable[[float], bool]) -> Work | Solution | None:
     """The work after a plain solve. Of one agent it goes on for a while where it has a plan, and
-    then to its end where nothing can be bound. A team has none if one was in vain (`brief`)."""
+    then to its end where nothing can be bound well. A team has none after one in vain (`brief`)."""
     soon = work.deadline.share(tuning.ROUTES.share, tuning.ROUTES.glance)
     if len(work.compiled.states) == 1:
         return glance(work, soon, work.deadline.within(tuning.ROUTES.known_glance), goes_on)
@@ -58,7 +63,7 @@ def _planned(work: Work, bounds: Bounds | None) -> Work | Solution:
     if found.x is None:
         return found
     better = bettered(found, tuning.ROUTES.better_share)
-    if bounds is None or isinstance(better, Solution):
+    if bounds is None or isinstance(better, Solution) or not bounds.promises(better.value):
         return better
     return bounds.better(better, tuning.ROUTES.bound_share)
 
