@@ -20,6 +20,7 @@ from stlc.solve.states.boxes import feasible_pairs
 THIN = 2e-6  # m: half a face's own box, wider than solvers let predicates be missed
 _LONGER = 1e-4  # of a box: what a box is longer, so that one at full rate ends within the next
 _LEAST = 0.2  # of a box: a shorter rest beside a face belongs to the box before it
+_MOST = 2000  # boxes of an axis: steps between all pairs of more take too much memory
 
 Span = tuple[int, int]
 """Positions [first, last) of an axis."""
@@ -71,8 +72,8 @@ class AxisBoxes:
         return at, np.searchsorted(coarse.w[:, 1], self.w.mean(axis=1))
 
 
-def axis_boxes(axis: Axis, faces: Iterable[float], parts: int) -> AxisBoxes:
-    """With boxes as long as the fastest step, cut in two so often that they have `parts` parts."""
+def axis_boxes(axis: Axis, faces: Iterable[float], parts: int) -> AxisBoxes | None:
+    """With boxes as long as the fastest step cut into `parts`; None for too many."""
     low, high = float(axis.box[:, 0].min()), float(axis.box[:, 1].max())
     rates = axis.box[1:, 2:]
     fastest = float(np.abs(rates).max())
@@ -81,6 +82,8 @@ def axis_boxes(axis: Axis, faces: Iterable[float], parts: int) -> AxisBoxes:
     count = max(int(np.ceil((ends[1] - ends[0]) / max(fastest, THIN) - 1e-6)), 1) * parts
     w = np.linspace(*ends, count + 1)
     p, w = np.stack([p[:-1], p[1:]], 1), np.stack([w[:-1], w[1:]], 1)
+    if len(p) * count > _MOST:
+        return None
     box = np.hstack([np.repeat(p, count, axis=0), np.tile(w, (len(p), 1))])
     source, target = feasible_pairs(box, box, axis)
     far = int(np.abs(source // count - target // count).max(initial=0))

@@ -22,6 +22,7 @@ from stlc.solve.routes.box_view import View
 from stlc.solve.routes.patches import Patch
 from stlc.solve.routes.progress import Open
 
+_MOST = 100_000_000  # values of all steps: 400 MB
 _ROUNDING = 2e-7  # of a value, by each step: costs are single numbers
 Layer = dict[Open, Patch]
 _NOTHING: Open = frozenset()
@@ -63,13 +64,17 @@ class BoxRuns:
         return self.view.mission.horizon
 
     def bound(self, over: Callable[[], bool]) -> float | None:
-        """The least cost of a run, `most` where all cost that much; None where time is over."""
+        """The least cost of a run, `most` where all cost that much; None where time is over, or
+        there are too many boxes."""
         self._next = [{} for _ in range(self.steps + 1)]
-        self.so_far = [self._begun()]
+        self.so_far, size = [self._begun()], 0
         for t in range(1, self.steps + 1):
             if over():
                 return None
             self.so_far.append(self._step(t, self.so_far[-1]))
+            size += sum(patch.values.size for patch in self.so_far[-1].values())
+            if size > _MOST:
+                return None
         end = self.so_far[-1].get(_NOTHING)
         if end is None:
             return self.most
@@ -77,7 +82,8 @@ class BoxRuns:
         return min(self.base + least, self.most)
 
     def look_back(self, most: float) -> None:
-        """What is still to go from each box of a run that costs less than `most`."""
+        """What is still to go from each box of a run that costs less than `most`, in place of the
+        costs so far."""
         self.most = min(most, self.most)
         last = self.so_far[-1].get(_NOTHING)
         none = np.float32(0.0)
@@ -92,6 +98,8 @@ class BoxRuns:
                 found |= self._ahead(t, opens, together, self.to_go[-1])
             self.to_go.append(found)
         self.to_go.reverse()
+        self.so_far.clear()
+        self.coarse = None
 
     def _begun(self) -> Layer:
         """The boxes that hold the start."""

@@ -68,6 +68,8 @@ def _views(work: Work, over: Callable[[], bool]) -> Iterator[View]:
     faces = faces_of(compiled, name, body, routes.levels)
     for parts in tuning.BOXES.parts:
         x, y = (axis_boxes(axis, f, parts) for axis, f in zip(body.axes, faces, strict=True))
+        if x is None or y is None:
+            return
         yield View(compiled, agent, body, progress, routes.levels, x, y)
 
 

@@ -16,6 +16,9 @@ from stlc.mission import TermKind
 from stlc.record import changed
 from stlc.solve import tuning
 from stlc.solve.relaxation.bodies import body_of
+from stlc.solve.relaxation.problem import Axis
+from stlc.solve.routes import axis_boxes as axis_boxes_room
+from stlc.solve.routes import box_runs
 from stlc.solve.routes.axis_boxes import axis_boxes
 from stlc.solve.routes.box_runs import BoxRuns
 from stlc.solve.routes.box_view import View, faces_of
@@ -64,7 +67,16 @@ def runs(one: Compiled, parts: int, most: float = np.inf, coarse: BoxRuns | None
     formulas = ((each.formula, k) for k, each in enumerate(one.layout.encoded))
     progress = Progress.of(formulas, apart=True) if coarse is None else coarse.view.progress
     x, y = (axis_boxes(axis, f, parts) for axis, f in zip(body.axes, faces, strict=True))
+    assert x is not None
+    assert y is not None
     return BoxRuns(View(one, agent, body, progress, routes.levels, x, y), most, coarse)
+
+
+def axes_of(one: Compiled) -> tuple[tuple[Axis, Axis], tuple[set[float], set[float]]]:
+    """The axes of the agent and their faces."""
+    body = body_of(one, one.mission.agents["r"], [])
+    assert body is not None
+    return body.axes, faces_of(one, "r", body, Routes.of(one, lambda: False).levels)
 
 
 def bound(found: BoxRuns) -> float:
@@ -99,6 +111,15 @@ def test_what_is_pruned_by_coarse_boxes_is_no_part_of_cheap_runs(tmp_path: Path)
     sizes = [sum(np.isfinite(p.values).sum() for layer in r.so_far for p in layer.values())
              for r in (alone, pruned)]  # fmt: skip
     assert sizes[1] < 0.7 * sizes[0]
+
+
+def test_too_many_boxes_are_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    one = mission(tmp_path, 3, steps=5, agent=CART, visit=STAY.format(last=4))
+    monkeypatch.setattr(box_runs, "_MOST", 1000)
+    assert runs(one, 1).bound(lambda: False) is None
+    monkeypatch.setattr(axis_boxes_room, "_MOST", 20)
+    (axis, _), (faces, _) = axes_of(one)
+    assert axis_boxes(axis, faces, 1) is None
 
 
 def test_a_plan_lies_near_the_cheapest_run(tmp_path: Path) -> None:
