@@ -150,7 +150,8 @@ class Row:
     @classmethod
     def of(cls, line: str) -> Row:
         """From a line of the store."""
-        case, loop, *numbers, seconds = line.strip().split(",")
+        case, rest = line.strip().split(",", 1)
+        loop, *numbers, seconds = rest.rsplit(",", 5)  # loops have commas in their names
         seed, plans, late, held = map(int, numbers)
         return cls(case, loop, seed, plans, late, held, tuple(map(float, seconds.split())))
 
