@@ -83,7 +83,7 @@ WHEELS ?=
 playground: $(STAMP) ## a page that checks, formats and shows missions in a browser, from disk (needs npm)
 	@$(call npm,Pyodide)
 	npm install --silent --no-save --no-package-lock --prefix $(OUT)/npm pyodide@$(PYODIDE)
-	rm -rf $(OUT)/packages && $(BIN)/python $(PIP) wheel --no-deps -w $(OUT)/packages .
+	rm -rf $(OUT)/packages && $(BIN)/python -m pip wheel --quiet --no-deps -w $(OUT)/packages .
 	$(BIN)/python -m stlc.playground.packages $(OUT)/packages \
 		--pyodide $(OUT)/npm/node_modules/pyodide $(if $(WHEELS),--wheels '$(WHEELS)')
 	$(BIN)/python examples/gallery.py $(OUT)/gallery

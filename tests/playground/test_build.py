@@ -6,6 +6,7 @@ import base64
 import gzip
 import json
 import re
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -76,3 +77,15 @@ def test_the_page_asks_nobody(parts: Path) -> None:
 def test_pip_is_asked_for_what_this_pyodide_takes(parts: Path) -> None:
     words = packages.tags(parts / "pyodide")
     assert words[:4] == ["--platform", "pyemscripten_2026_0_wasm32", "--python-version", "314"]
+
+
+def test_make_builds_a_wheel_of_this_checkout_and_names_folders_only_where_given() -> None:
+    root = Path(__file__).parents[2]
+    said = [
+        subprocess.run(["make", "-n", "playground", *words], cwd=root, capture_output=True,
+                       text=True, check=True).stdout
+        for words in ([], ["WHEELS=somewhere"])
+    ]  # fmt: skip
+    assert all(re.search(r"-m pip wheel .*--no-deps -w out/packages \.", text) for text in said)
+    assert ["--wheels 'somewhere'" in text for text in said] == [False, True]
+    assert "--wheels ''" not in said[0]
