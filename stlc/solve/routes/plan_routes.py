@@ -63,7 +63,7 @@ def _planned(work: Work, bounds: Bounds | None) -> Work | Solution:
     if found.x is None:
         return found
     better = bettered(found, tuning.ROUTES.better_share)
-    if bounds is None or isinstance(better, Solution) or not bounds.promises(better.value):
+    if bounds is None or isinstance(better, Solution):
         return better
     return bounds.better(better, tuning.ROUTES.bound_share)
 
