@@ -127,6 +127,9 @@ class Route(Record):
     )
     # plain solve. Rounds have 0.93; frugal_narrow_passage_T40 0.74: proven in 11 s instead of a gap
     # of 30 % after 30
+    worth: float = (
+        0.05  # of what a plan costs that beams have found, likewise: horizon_200 has 0.005
+    )
     known_share: float = 0.4  # where a plan was known before
     bound_seconds: float = 60.0
     cuts: tuple[int, ...] = (1, 3, 6, 12)  # into which the fastest move is cut, at least

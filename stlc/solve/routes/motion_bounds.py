@@ -58,14 +58,15 @@ class Bounds:
         """Whether no agent moves in a way that has a bound."""
         return not self.visits and not self.gridded
 
-    def promises(self, value: float) -> bool:
-        """Whether bounds are soon near what a plan costs: visits of one agent by a first look."""
+    def promises(self, value: float, part: float = tuning.ROUTES.promise) -> bool:
+        """Whether bounds are soon near what a plan costs, or a part of it: visits of one agent by
+        a first look."""
         if self.gridded or len(self.visits) != 1 or not np.isfinite(value):
             return True
         for climb in self.visits.values():
             climb.guess(self.grids.over)
         known = sum(max(climb.best, 0.0) for climb in self.visits.values())
-        return known >= tuning.ROUTES.promise * (value - self.grids.compiled.model.offset)
+        return known >= part * (value - self.grids.compiled.model.offset)
 
     def hopeless(self) -> bool:
         """Whether some agent can't make its visits: there is no plan."""

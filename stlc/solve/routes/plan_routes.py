@@ -65,6 +65,8 @@ def _planned(work: Work, bounds: Bounds | None) -> Work | Solution:
     better = bettered(found, tuning.ROUTES.better_share)
     if bounds is None or isinstance(better, Solution):
         return better
+    if not bounds.promises(better.value, tuning.ROUTES.worth):
+        return better
     return bounds.better(better, tuning.ROUTES.bound_share)
 
 
