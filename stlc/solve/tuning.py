@@ -53,6 +53,13 @@ class Team(Record):
     fine_states: int = 60_000  # pairs of states at a step: more are not refined
     border_states: int = 30_000  # and where borders do not become cells, which makes 10 times more
     plunge_every: int = 8  # nodes
+    ascent_pairs: int = 1_000_000  # alive pairs of states in all: about 0.7 GB and 0.2 CPU s a step
+    ascent_share: float = 0.5  # of the time that is left
+    stage_rounds: int = 15  # of an ascent between two heats
+    heat: float = 0.04  # of the gap, for all pairs together; 0.1 brought nothing
+    cooler: float = 0.6  # links_a4_t8_c10_s1: 62.9 -> 63.8, 64.2, 64.4, 64.6 in 3 CPU s each,
+    coldest: float = 0.004  # where sweeps and steps along single paths end at 63.7
+    worth: float = 0.01  # of the gap: a stage that raises it by less is the last
     plunge_cut: float = 0.75  # of the gap, while plunging
 
 

@@ -83,6 +83,10 @@ class Agreement:
                 out[t][~masks[t]] = np.inf
         return out
 
+    def costs(self, pair: Pair) -> list[Singles]:
+        """Of the pair's states at each step without prices, infinite where they are dropped."""
+        return self._base[pair]
+
     def move(self, change: dict[Pair, Floats]) -> None:
         """Add to the potentials."""
         for p in self.pairs:

@@ -71,7 +71,7 @@ class Arcs:
         """Number the axis boxes of both agents; `slopes` (boxes, 2) start from the layers'."""
         grids = [self._grid(*at) for at in self._grids()]
         ends = np.cumsum([0] + [len(g.box) for g in grids])
-        self._boxes = {
+        self.boxes = {
             at: slice(int(a), int(b))
             for at, a, b in zip(self._grids(), ends[:-1], ends[1:], strict=True)
         }
@@ -93,7 +93,7 @@ class Arcs:
             src.append(self._grid(n, t, d).room[i])
             dst.append(self._grid(n, t + 1, d).room[j])
             ends.append(
-                np.stack([i + self._boxes[n, t, d].start, j + self._boxes[n, t + 1, d].start])
+                np.stack([i + self.boxes[n, t, d].start, j + self.boxes[n, t + 1, d].start])
             )
             row = (axis.blend, axis.jump, axis.rate_cost[t + 1], axis.change_cost[t])
             costs.append(np.tile(row, (len(i), 1)))
@@ -179,7 +179,7 @@ class Arcs:
         """The layers with these slopes."""
         rows = [
             [
-                layer.priced(*(self.slopes[self._boxes[n, t, d]] for d in (0, 1)))
+                layer.priced(*(self.slopes[self.boxes[n, t, d]] for d in (0, 1)))
                 for t, layer in enumerate(row)
             ]
             for n, row in enumerate(self.layers)

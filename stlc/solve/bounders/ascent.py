@@ -83,12 +83,17 @@ def _dot(a: Floats, b: Floats) -> float:
 
 def smoothed(arcs: Arcs, slopes: Floats, heat: float) -> tuple[float, Floats]:
     """Soft minimum over all abstract runs, and its derivative by the slopes (boxes, 2)."""
+    return softened(arcs, slopes, heat)[:2]
+
+
+def softened(arcs: Arcs, slopes: Floats, heat: float) -> tuple[float, Floats, list[Floats]]:
+    """`smoothed`, and for every stop the share of runs through each of its pairs."""
     value, at = arcs.corners.cheapest(*arcs.ends(slopes))
     lowest, weights = _weights(arcs, value, heat)
     ahead, scales, logs = _forward(arcs, weights, heat)
     total = float(ahead[-1].sum())
-    flow, _ = _flow(arcs, weights, ahead, scales)
-    return lowest - heat * (np.log(total) + logs), _slips(arcs, flow, at)
+    flow, shares = _flow(arcs, weights, ahead, scales)
+    return lowest - heat * (np.log(total) + logs), _slips(arcs, flow, at), shares
 
 
 def shares(arcs: Arcs, heat: float) -> list[Floats]:

@@ -14,11 +14,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from stlc.arrays import Bools, Floats
+from stlc.arrays import Bools
 from stlc.solve import tuning
 from stlc.solve.bounders.agreement import Agreement, Pair, no_prices
+from stlc.solve.bounders.climb import climb
 from stlc.solve.bounders.prices import blocks, masked, prices_of_finer_cells, sliced
 from stlc.solve.bounders.shares import coarsened
+from stlc.solve.bounders.team_ascent import TeamAscent
 from stlc.solve.bounders.team_node import Node, Taken, everything, keep, kept
 from stlc.solve.relaxation.borders import taken
 from stlc.solve.relaxation.problem import Problem
@@ -29,32 +31,6 @@ from stlc.solve.states.tubes import tubes
 from stlc.solve.tree import Expansion, branch_and_bound
 
 _POINT = 1e-6  # m
-
-
-def climb(agreement: Agreement, rounds: int, session: Session, cutoff: float, whole: bool) -> None:
-    """Sweeps and steps of the potentials. Ends early above the cutoff and when stopped, after a
-    forward sweep. `whole`: what is found is a bound on all plans."""
-    last, until = agreement.prepare(), session.seconds + tuning.TEAM.climb_seconds
-    gap = tuning.TEAM.later_step * (cutoff - last) if np.isfinite(cutoff) else np.inf
-    if whole:
-        session.raise_bound(min(last, session.cutoff))
-    step = min(gap, tuning.TEAM.first_step * abs(last)) / max(1, len(agreement.pairs))
-    direction: dict[Pair, Floats] = {}
-    for k in range(rounds):
-        value = agreement.forward(cutoff)
-        if whole:
-            session.raise_bound(min(agreement.bound, session.cutoff))
-        late = session.seconds > until or session.stopped()
-        if k == rounds - 1 or late or agreement.bound >= cutoff:
-            break
-        step *= 1.1 if value - last > 0.2 * step * len(agreement.pairs) else 0.75
-        last, change = value, {}
-        for p in agreement.pairs:
-            direction[p] = agreement.slopes(p) + tuning.TEAM.momentum * direction.get(p, 0.0)
-            size = float((direction[p] ** 2).sum()) * (1 - tuning.TEAM.momentum)
-            change[p] = step / max(size, 1e-9) * direction[p]
-        agreement.move(change)
-        agreement.backward()
 
 
 class Tree:
@@ -116,6 +92,8 @@ class Tree:
             return Expansion((node,))
         if not node.problem.borders and node.size <= tuning.TEAM.border_states:
             return Expansion((self._with_borders(node),))
+        if not node.ascended and node.problem.borders and self._ascend(node):
+            return Expansion((node,))
         if (
             not node.has_open_choice
             and node.bins < tuning.TEAM.rate_bins
@@ -153,6 +131,23 @@ class Tree:
         node.prices, node.masks = agreement.prices, agreement.masks()
         keep(node, [[np.flatnonzero(a) for a in row] for row in agreement.alive()])
         return None if node.empty else agreement
+
+    def _ascend(self, node: Node) -> bool:
+        """Better slopes and prices for the node of all plans, once; whether there are any."""
+        node.ascended, session = True, self.session
+        assert node.masks is not None
+        alive = sum(int(m.sum()) for masks in node.masks.values() for m in masks)
+        if alive > tuning.TEAM.ascent_pairs or not np.isfinite(session.cutoff):
+            return False
+        kept = Agreement(node.problem, node.rows, node.prices, node.masks, self.pool)
+        ascent = TeamAscent(kept)
+        if ascent.empty:
+            node.bound = np.inf
+            return True
+        moment = session.deadline.share(tuning.TEAM.ascent_share)
+        gap = session.cutoff - node.bound
+        node.rows, node.prices = ascent.climb(moment.over, gap)
+        return True
 
     def _refine(self, node: Node, bins: int) -> None:
         """Children of the alive states on a finer grid of rates."""
@@ -270,7 +265,7 @@ class Tree:
         index = everything(node)
         row, index[n] = with_choice(self.problem.bodies[n], self.tubes[n], part, node.rows[n])
         taken = tuple(part if k == n else t for k, t in enumerate(node.taken))
-        child = kept(replace(node, taken=taken, tried=False), index)
+        child = kept(replace(node, taken=taken, tried=False, ascended=True), index)
         child.rows[n] = row
         return child
 
@@ -290,5 +285,5 @@ class Tree:
         for side in (at <= middle, at > middle):
             index = everything(node)
             index[n][t] = np.flatnonzero(side)
-            out.append(kept(replace(node, tried=False), index))
+            out.append(kept(replace(node, tried=False, ascended=True), index))
         return Expansion(tuple(out))

@@ -18,7 +18,7 @@ Taken = tuple[tuple[int, ...], ...]
 @dataclass(slots=True)
 class Node:
     """rows[agent][t] over the cells of `problem`; masks[pair][t]: alive pairs of states (None: all
-    of all plans)."""
+    of all plans); `ascended`: had its ascent, or is a part."""
 
     bound: float
     problem: Problem
@@ -28,6 +28,7 @@ class Node:
     masks: dict[Pair, list[Bools]] | None
     bins: int = 1
     tried: bool = False
+    ascended: bool = False
 
     @property
     def has_open_choice(self) -> bool:

@@ -18,6 +18,7 @@ from stlc.record import changed
 from stlc.solve import tuning
 from stlc.solve.bounders.agreement import Agreement, no_prices
 from stlc.solve.bounders.shares import coarsened
+from stlc.solve.bounders.team_ascent import TeamAscent
 from stlc.solve.relaxation.problem import Problem
 from stlc.solve.relaxation.recognise import recognise
 from stlc.solve.restricted.frame import Frame
@@ -134,6 +135,33 @@ def test_any_prices_and_potentials_bound_the_optimum(
             agreement.move(moves)
             agreement.backward()
     assert agreement.bound <= optimum + 1e-6
+
+
+@pytest.mark.parametrize("name", ["three", "single"])
+def test_an_ascent_raises_the_bound_beyond_sweeps_and_never_above_the_optimum(
+    name: str, tmp_path: Path
+) -> None:
+    """Prices of states add up to nothing over an agent's pairs after it, too."""
+    compiled = compiled_mission(tmp_path, 0, VARIANTS[name])
+    problem = recognise(compiled, borders=True)
+    optimum = backends.get("highs").solve(compiled.model, SolveOptions(gap=1e-6)).objective
+    assert problem is not None
+    assert optimum is not None
+    with ThreadPoolExecutor(1) as pool:
+        agreement = _agreement(problem, pool)
+        agreement.prepare()
+        for _ in range(6):
+            agreement.forward()
+            agreement.backward()
+        before = agreement.bound
+        rows, prices = TeamAscent(agreement).climb(lambda: False, optimum - before)
+        after = Agreement(problem, rows, prices, None, pool)
+        found = after.prepare()
+    assert before + 1e-3 < found <= optimum + 1e-6
+    for n, own in enumerate(after.own):
+        for t in range(1, problem.steps + 1):
+            total = np.sum([prices.states[p][p.index(n)][t] for p in own], axis=0)
+            assert np.abs(total).max(initial=0.0) < 1e-6
 
 
 @pytest.mark.parametrize("seed", SEEDS)
