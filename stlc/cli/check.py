@@ -81,7 +81,7 @@ def _explanation(code: str) -> str:
     import inspect
     from textwrap import indent
 
-    from stlc.cli import explain  # noqa: F401  (its diagnostic belongs to the catalogue)
+    from stlc.cli import conflicts  # noqa: F401  (its diagnostics belong to the catalogue)
     from stlc.diagnostic_examples import EXAMPLES
     from stlc.diagnostics import catalogue
     from stlc.sema import load_all_diagnostics

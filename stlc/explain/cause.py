@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -117,6 +117,8 @@ def _deadline(
         most = _most(oracle)
         text = f"{who} cannot {what} within {most} steps{at}, {_given(givens)}"
         return Cause(text)
+    if not later.is_late(earliest - 1, givens):
+        at = ""  # what else is given makes it that late
     text = f"{who} needs at least {earliest} steps to {what}{at}; the deadline is {deadline}"
     return Cause(text, earliest)
 
@@ -169,14 +171,18 @@ class Later:
                 low = middle + 1
         return high if self.sure else None
 
-    def _by(self, end: int) -> bool:
+    def is_late(self, deadline: int, givens: Sequence[Given]) -> bool:
+        """Whether nothing is possible by a deadline where these alone are given."""
+        return not self._by(deadline, _others(self.oracle, [self.piece], givens)) and self.sure
+
+    def _by(self, end: int, free: Iterable[Given] = ()) -> bool:
         formula, mission = self.piece.formula, self.oracle.mission
         assert isinstance(formula, Eventually | Until)
         piece = replace(self.piece, formula=replace(formula, end=end))
         longer = replace(mission, horizon=max(mission.horizon, end))
         asked = self.oracle
         own = Oracle(longer, asked.backend, asked.deadline, asked.grace, asked.tables)
-        verdict = own([piece])
+        verdict = own([piece], free)
         self.sure &= verdict is not Verdict.UNKNOWN
         return verdict is Verdict.FEASIBLE
 
@@ -189,11 +195,18 @@ def _shortfall(
 ) -> tuple[Requirement, float] | None:
     """The piece that a planner would rather give way in, and by how much it fails at best."""
     piece = min(pieces, key=_weight)
+    free = _others(oracle, pieces, givens)
+    value = shortfall(oracle, Question(frozenset(pieces), free), piece)
+    return (piece, value) if value is not None and value > 1e-6 else None
+
+
+def _others(
+    oracle: Oracle, pieces: Sequence[Requirement], givens: Sequence[Given]
+) -> frozenset[Given]:
+    """What else is given to those that the pieces speak of."""
     agents, channels = sorted(oracle.agents(pieces)), sorted(channels_of(pieces))
     every = givens_of(oracle.mission, agents, channels)
-    free = {g for g in every if g.kind is not Kind.PARTITION} - set(givens)
-    value = shortfall(oracle, Question(frozenset(pieces), frozenset(free)), piece)
-    return (piece, value) if value is not None and value > 1e-6 else None
+    return frozenset(g for g in every if g.kind is not Kind.PARTITION) - frozenset(givens)
 
 
 def _weight(piece: Requirement) -> int:

@@ -84,7 +84,7 @@ class Blame:
         if self.earliest <= self.deadline:
             return f"{where}{what} is out of reach together with what the others demand"
         return (
-            f"{where}{what} is possible at step {self.earliest} at the earliest, "
+            f"{where}{what} is not possible before step {self.earliest}, "
             f"the deadline is step {self.deadline}"
         )
 

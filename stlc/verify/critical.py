@@ -37,6 +37,8 @@ class Decider:
     says: str
 
 
+_ALIKE = 1e-9  # values that the same plan has on another machine, or after it was read again
+
 Visit = tuple[Node, int, bool]
 """A part of a formula, the step at which it is asked, and its polarity there."""
 
@@ -94,9 +96,10 @@ def _claimed(node: Node) -> str:
 
 
 def _nearest(values: Sequence[float], target: float) -> int:
-    """Index of the value that equals the target, or comes closest."""
-    if target in values:
-        return values.index(target)
+    """Index of the first value that equals the target but for rounding, or of the closest."""
+    for k, value in enumerate(values):
+        if value == target or abs(value - target) <= _ALIKE:
+            return k
     return int(np.argmin(np.nan_to_num(np.abs(np.asarray(values) - target), nan=np.inf)))
 
 

@@ -57,6 +57,8 @@ def test_explanations_leave_out_what_each_case_fills_in() -> None:
     unknown = call("--explain", "E0201").output
     assert "{" not in unknown
     assert "Remedy" not in unknown
+    for shown_elsewhere in ("E0801", "E0808", "E0809"):
+        assert shown_elsewhere in call("--explain", shown_elsewhere).output
     assert "there is no diagnostic" in str(call("--explain", "E9999").exception)
 
 

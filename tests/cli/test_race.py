@@ -6,12 +6,14 @@ import json
 import os
 import signal
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from support.cluster import cluster
 from support.command import CONFLICT, LIMIT, MISSION, long_mission, start
 from support.command import inside as stlc
+from support.command import stlc as stlc_process
 from support.events import wait_for, wait_for_file
 
 from stlc.api import load
@@ -135,3 +137,12 @@ def test_an_unreachable_cluster(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     done = stlc("race", "m.stl", "--cluster", "tcp://127.0.0.1:9", folder=tmp_path)
     assert done.returncode == 5
     assert "cannot reach the cluster at tcp://127.0.0.1:9" in done.stderr
+
+
+def test_racers_that_all_fail_are_no_limit_that_was_reached(tmp_path: Path) -> None:
+    (tmp_path / "m.stl").write_text(MISSION)
+    (tmp_path / "sitecustomize.py").write_text("import sys\nsys.modules['pyscipopt'] = None\n")
+    env = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
+    done = stlc_process("race", "m.stl", "--with", "scip:auto", folder=tmp_path, env=env)
+    assert done.returncode == 5, done.stderr
+    assert "no racer found a plan" in done.stderr

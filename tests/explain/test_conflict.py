@@ -226,3 +226,16 @@ def test_a_chance_over_a_window_is_one_member() -> None:
     assert begin(oracle) is None
     (found,) = all_conflicts(oracle)
     assert says(found) == [f"`{chance}`"]
+
+
+def test_a_number_of_steps_is_laid_to_a_bound_that_makes_it_so() -> None:
+    """By the control alone dock is reached at step 4, and not at step 5 as with the speed."""
+    text = """step 1 s
+workspace box [0, 10] x [0, 6]
+agent scout : double_integrator { start (1, 1); control |u| <= 1; speed <= 2 }
+region dock = box [8, 9] x [1, 2]
+require reach: eventually[0, 2] scout in dock
+"""
+    found = conflict("", text)
+    assert Kind.SPEED not in {g.kind for g in found.givens}
+    assert found.cause.text == "scout needs at least 5 steps to reach dock; the deadline is 2"

@@ -35,8 +35,8 @@ def test_deadline_before_the_earliest_step() -> None:
     assert found.value.blame.earliest == 6
     assert found.value.blame.deadline == 3
     assert str(found.value) == (
-        "requirement 'far' cannot hold: m.stl:1:1: `eventually[0,3] far` is possible at step 6 "
-        "at the earliest, the deadline is step 3"
+        "requirement 'far' cannot hold: m.stl:1:1: `eventually[0,3] far` is not possible "
+        "before step 6, the deadline is step 3"
     )
 
 

@@ -40,6 +40,7 @@ from stlc.mission import Bound, Channel, Station
 from stlc.plan import make_plan
 from stlc.radio.partition import uniform_grid
 from stlc.verify import verify
+from stlc.verify.critical import _nearest
 from stlc.verify.link_models import CellModel, TrueModel
 from stlc.verify.requirement_report import RequirementReport
 from stlc.verify.requirements import requirement_violations
@@ -251,3 +252,10 @@ def test_a_value_that_is_no_number_meets_nothing():
     ):
         assert not report.satisfied
         assert len(list(requirement_violations(there, [report]))) == 1
+
+
+def test_values_that_differ_by_rounding_are_one() -> None:
+    """The first of them decides, on every machine and after a plan was read again."""
+    assert _nearest([2.0, 1.0 + 4e-16, 1.0, 1.5], 1.0) == 1
+    assert _nearest([np.inf, -np.inf], -np.inf) == 1
+    assert _nearest([3.0, np.nan, 2.0], 1.0) == 2

@@ -11,6 +11,7 @@ from stlc.backends.base import Progress, Solution, SolveOptions, Status
 from stlc.errors import (
     InterruptedSolveError,
     NoPlanError,
+    SolverError,
 )
 from stlc.solve.deadline import Stopwatch
 from stlc.solve.events import (
@@ -131,7 +132,9 @@ class MissionRace:
             return self._finish(result, best[0], best[1].claim, False, refused)
         if self._stopped:
             raise InterruptedSolveError(f"interrupted before a plan was found\n{result.text()}")
-        raise NoPlanError(f"no racer found a plan\n{result.text()}")
+        failed = all(lap.finish is Finish.FAILED for lap in result.laps)
+        kind = SolverError if failed else NoPlanError
+        raise kind(f"no racer found a plan\n{result.text()}")
 
     def _doubt(self, result: Race, winner: Lap) -> Result:
         """Hear a second solver on the winner's claim that there is no plan."""

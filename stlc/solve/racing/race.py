@@ -50,7 +50,7 @@ class Finish(Enum):
     PROOF = "proof"  # a certified optimum, or a claim that there is none
     POINT = "point"  # a certified point, not proven optimal
     NOTHING = "nothing"  # its limits were reached without a point
-    FAILED = "failed"  # crashed, refused by certification, out of memory or time
+    FAILED = "failed"  # missing, crashed, refused by certification, out of memory
     ENDED = "ended"  # terminated because the race was decided
 
 
@@ -147,7 +147,7 @@ def _objective(lap: Lap) -> float:
 
 def _salvaged(racer: Racer, lap: Lap, last: Progress) -> Lap:
     """The last point of a racer that has no answer of its own."""
-    if lap.finish not in (Finish.FAILED, Finish.ENDED) or last.incumbent is None:
+    if lap.finish in (Finish.PROOF, Finish.POINT) or last.incumbent is None:
         return lap
     value = racer.model.objective(last.incumbent)
     bound = None if last.bound is None else min(last.bound, value)
@@ -166,6 +166,7 @@ def _decided(laps: dict[str, Lap]) -> bool:
 
 
 _Message = tuple[str, object]
+_OVERRAN = "it overran its limit"
 
 
 def _advance(
@@ -181,7 +182,9 @@ def _advance(
         for name, (racer, child) in entries.items():
             if name not in laps and _late(racer, child):
                 child.end()
-                laps[name] = Lap(name, Finish.FAILED, child.seconds(), None, "it overran its limit")
+                laps[name] = Lap(
+                    name, Finish.NOTHING, child.seconds(), None, "it overran its limit"
+                )
         return
     if name in laps:
         return
