@@ -1,0 +1,67 @@
+"""First plans of the strategy `routes`: where ways have their visits, or near runs of beams."""
+
+from __future__ import annotations
+
+from stlc.backends.base import Solution
+from stlc.solve import tuning
+from stlc.solve.routes.finder import Effort, Routes
+from stlc.solve.routes.motion_bounds import Bounds
+from stlc.solve.routes.nearby import FINDER, bettered, polished, solved
+from stlc.solve.routes.tube import tube
+from stlc.solve.strategy import Work
+
+
+def planned(work: Work, bounds: Bounds | None) -> Work | Solution:
+    """The work with a first plan, better ones, and bounds."""
+    found = work if bounds is None else _visiting(work, bounds)
+    found = _first_plan(found, bounds) if found.x is None else found
+    if found.x is None:
+        return found
+    better = bettered(found, tuning.ROUTES.better_share)
+    if bounds is None or isinstance(better, Solution):
+        return better
+    if not bounds.promises(better.value, tuning.ROUTES.worth):
+        return better
+    return bounds.better(better, tuning.ROUTES.bound_share)
+
+
+def _visiting(work: Work, bounds: Bounds) -> Work:
+    """A first plan with visits where, or near where, the bound has them."""
+    moment = work.deadline.share(tuning.ROUTES.share, tuning.ROUTES.seconds)
+    for room in tuning.ROUTES.rooms:
+        model = bounds.visiting(work.compiled, room, moment.over)
+        if model is None:
+            break
+        found = solved(work, model, tuning.ROUTES.repair_seconds, tuning.ROUTES.rough)
+        if found is not None and found.x is not None:
+            return work.with_point(found.x, FINDER)
+        if moment.over():
+            break
+    return work
+
+
+def _first_plan(work: Work, bounds: Bounds | None) -> Work:
+    """Beams of growing effort, after a few of them grids where agents are such."""
+    deadline = work.deadline.share(tuning.ROUTES.share, tuning.ROUTES.seconds)
+    routes = Routes.of(work.compiled, deadline.over)
+    for number, effort in enumerate(tuning.ROUTES.efforts):
+        if number == tuning.ROUTES.first_efforts and bounds is not None and bounds.gridded:
+            work = bounds.better(work, tuning.ROUTES.grid_share)
+        if work.x is not None or deadline.over():
+            break
+        work = _beamed(work, routes, Effort(*effort))
+    return work
+
+
+def _beamed(work: Work, routes: Routes, effort: Effort) -> Work:
+    """A run by beams, repaired by the model in tubes of growing radius."""
+    runs = routes.team(effort)
+    if runs is None:
+        return work
+    spacing = max(routes.spacing(name, effort.parts) for name in runs.states)
+    for cells in tuning.ROUTES.repair:
+        near = tube(work.compiled, runs.states, cells * spacing)
+        found = solved(work, near, tuning.ROUTES.repair_seconds, tuning.ROUTES.rough)
+        if found is not None and found.x is not None:
+            return work.with_point(polished(work, found.x), FINDER)
+    return work
