@@ -59,7 +59,8 @@ class External:
 
     def solve(self, model: Model, options: SolveOptions) -> Solution:
         """Minimise. `extra`: `executable`, `arguments` (more of them), or `command` of one's own,
-        such as 'mysolver {mps} {solution}'. SolverError when it fails or writes nonsense."""
+        such as 'mysolver {mps} {solution}'. SolverError when it fails or writes nonsense,
+        UsageError for a command that lacks these places."""
         require(self)
         if (answer := trivial(self, model, options)) is not None:
             return answer
@@ -99,16 +100,28 @@ class External:
     def _command(self, files: Files, options: SolveOptions) -> list[str]:
         """The command's words, for no shell: those of the user's template, or of ours."""
         if not self.template.binary:
-            own = options.extra.get("command")
-            if not isinstance(own, str):
-                raise SolverError(
-                    "backend 'external' needs a command, such as 'mysolver {mps} {solution}'"
-                )
-            places = {"mps": files.model, "solution": files.solution, "sol": files.solution}
-            return [part.format_map(places) for part in shlex.split(own)]
+            return _own(options.extra.get("command"), files)
         executable = str(options.extra.get("executable") or self._found())
         more = shlex.split(str(options.extra.get("arguments", "")))
         return [executable, *self.template.arguments(files, options, more)]
+
+
+def _own(command: object, files: Files) -> list[str]:
+    """The words of the user's command; UsageError where it can't work."""
+    if command is None:
+        raise SolverError("backend 'external' needs a command, such as 'mysolver {mps} {solution}'")
+    template = str(command).lower() if isinstance(command, bool) else str(command)
+    ends = {"{mps}": "{mps}" in template, "{solution}": re.search("{sol(ution)?}", template)}
+    if lost := [place for place, found in ends.items() if not found]:
+        raise UsageError(f"the command {template!r} lacks {' and '.join(lost)}")
+    places = {"mps": files.model, "solution": files.solution, "sol": files.solution}
+    try:
+        return [part.format_map(places) for part in shlex.split(template)]
+    except KeyError:
+        text = "has places other than {mps} and {solution}; write {{ and }} for braces"
+        raise UsageError(f"the command {template!r} {text}") from None
+    except (ValueError, TypeError, AttributeError) as error:
+        raise UsageError(f"the command {template!r} can't be read: {error}") from None
 
 
 def external(name: str, executable: str | None = None) -> External:

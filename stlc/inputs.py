@@ -64,6 +64,14 @@ def read_input(
         os.close(descriptor)
 
 
+def check_input(path: str | os.PathLike[str]) -> None:
+    """UsageError for a file that isn't there, or is a folder: a slip of the call, not the data."""
+    if os.path.isdir(path):
+        raise UsageError(f"{os.fspath(path)}: is a folder, not a file")
+    if not os.path.exists(path):
+        raise UsageError(f"{os.fspath(path)}: there is no such file")
+
+
 def _standard(most: int) -> bytes:
     """Standard input, read once within `recorded_inputs`."""
     kept = _STANDARD.get()

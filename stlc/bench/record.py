@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Collection, Mapping
+from dataclasses import MISSING, asdict, dataclass, fields
 from typing import Any
 
 from stlc.bench.job import Figure, Job
@@ -103,9 +103,22 @@ def record_of(
     )  # fmt: skip
 
 
+def lacking(names: Collection[str]) -> tuple[str, ...]:
+    """Figures that every run has and that are not among `names`."""
+    needed = (f.name for f in fields(Record) if f.default is MISSING)
+    return tuple(name for name in needed if name not in names)
+
+
 def from_json(text: str) -> Record:
-    """What `to_json` wrote; fields of other versions of this package are left out."""
-    known = {f.name for f in fields(Record)}
-    data = {k: v for k, v in json.loads(text).items() if k in known}
+    """What `to_json` wrote; fields of other versions of this package are left out.
+
+    Raises ValueError for anything else.
+    """
+    known, row = {f.name for f in fields(Record)}, json.loads(text)
+    if not isinstance(row, dict):
+        raise ValueError("a run is no object of JSON")
+    if lost := lacking(row):
+        raise ValueError(f"a run lacks {', '.join(lost)}")
+    data = {k: v for k, v in row.items() if k in known}
     trace = tuple(tuple(point) for point in data.pop("trace", ()))
     return Record(**data, trace=trace)

@@ -9,7 +9,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from stlc.bench.record import Record
+from stlc.bench.record import Record, lacking
 from stlc.bench.store import Store
 from stlc.errors import UsageError
 from stlc.inputs import InputError, note_input, read_input
@@ -31,15 +31,29 @@ def to_csv(records: Iterable[Record]) -> str:
 
 def read_csv(path: Path) -> tuple[Record, ...]:
     """What `to_csv` wrote. UsageError for anything else."""
+    problem = f"{path} is no store and no table of benchmark runs"
     try:
-        rows = list(csv.DictReader(io.StringIO(read_input(path).decode("utf-8-sig"), newline="")))
-    except (InputError, UnicodeDecodeError, csv.Error) as error:
-        raise UsageError(f"{path} is no table of benchmark runs: {error}") from error
-    try:
-        return tuple(Record(**{k: _value(k, v) for k, v in row.items() if k in _TYPES})
-                     for row in rows)  # fmt: skip
-    except (TypeError, ValueError) as error:
-        raise UsageError(f"{path} is no table of benchmark runs: {error}") from error
+        text = read_input(path).decode("utf-8-sig")
+        rows = csv.DictReader(io.StringIO(text, newline=""))
+        if lost := lacking(rows.fieldnames or ()):
+            raise UsageError(f"{problem}: its header lacks {', '.join(lost)}")
+        return tuple(_record(rows.line_num, row) for row in rows)
+    except UnicodeDecodeError:
+        raise UsageError(f"{problem}: it is not UTF-8 text") from None
+    except (InputError, csv.Error, ValueError) as error:
+        raise UsageError(f"{problem}: {error}") from error
+
+
+def _record(line: int, row: dict[str, str | None]) -> Record:
+    """The run of a line; ValueError, with the line, where a figure is missing or is none."""
+    found: dict[str, Any] = {}
+    for name in (name for name in _COLUMNS if name in row):
+        text = row[name] or ""
+        try:
+            found[name] = _value(name, text)
+        except ValueError:
+            raise ValueError(f"line {line}: {name} can't be {text!r}") from None
+    return Record(**found)
 
 
 def _value(name: str, text: str) -> Any:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stlc.cli.amount import Amount
+from stlc.cli.amount import THREADS, Amount
 from stlc.cli.interrupt import INTERRUPTED, interruptible
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ class _Words:
               help="Only what was solved the first time is repeated.")  # fmt: skip
 @click.option("--gap", type=Amount(min=0), default=1e-4, show_default=True,
               help="Relative distance from the optimum that is good enough.")  # fmt: skip
-@click.option("--threads", type=click.IntRange(min=1), default=1, show_default=True,
+@click.option("--threads", type=THREADS, default=1, show_default=True,
               help="Of the solver.")  # fmt: skip
 @click.option("--memory", type=Amount(min=0, min_open=True), metavar="GB", help="For each run.")
 @click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True,

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from stlc.diagnostics import Diagnostic
     from stlc.milp.compile import Compiled, CompileOptions
     from stlc.mission import Mission
-    from stlc.plan import Plan
 
 Style = Literal["text", "json", "sarif", "github"]
 INTERNAL = 70
@@ -138,35 +137,19 @@ def parse_defines(define: tuple[str, ...]) -> dict[str, str]:
     return pairs
 
 
-def load(
-    file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...], plan: Plan | None = None
-) -> Mission:
-    """The checked mission; its warnings go to standard error.
+def load(file: Path, define: tuple[str, ...], allow_path: tuple[Path, ...]) -> Mission:
+    """The checked mission; its warnings go to standard error."""
+    return load_with(file, parse_defines(define), allow_path)
 
-    With a plan of it, parameters that `-D` doesn't set are as they were for the plan.
-    """
+
+def load_with(file: Path, params: Mapping[str, str], allow_path: tuple[Path, ...]) -> Mission:
+    """The checked mission with these values of parameters; its warnings go to standard error."""
     from stlc.api import load as load_file
 
-    given = parse_defines(define)
-    params = given if plan is None else {**_of_plan(file, plan), **given}
-    for name, value in {} if plan is None else plan.params.items():
-        if name in params and params[name] != value:
-            text = f"the plan was made with -D {name}={value}; here it is {params[name]}"
-            click.echo(f"{click.style('note', bold=True)}: {text}", err=True)
     mission = load_file(file, params=params, allow_paths=allow_path)
     if mission.warnings:
         show_diagnostics(mission.warnings)
     return mission
-
-
-def _of_plan(file: Path, plan: Plan) -> Mapping[str, str]:
-    """What `-D` set for a plan, where it is one of this very file: others have other parameters."""
-    from stlc.plan import text_digest
-    from stlc.syntax.read import read_source
-
-    if not plan.params:
-        return {}
-    return plan.params if text_digest(read_source(file).text) == plan.sha256 else {}
 
 
 def compiled_model(mission: Mission, options: CompileOptions) -> Compiled:

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import click
 
-from stlc.cli.common import check_outputs, load, mission_options
+from stlc.cli.common import check_outputs, mission_options
 from stlc.cli.lengths import metres, seconds
+from stlc.cli.planned import load_planned
 
 
 @click.command("export")
@@ -31,11 +32,9 @@ def export_command(
     bag (which is a folder) `rosbags`.
     """
     from stlc.exports import export
-    from stlc.plan import read_plan
 
     check_outputs(output)
-    run = read_plan(plan)
-    export(load(file, define, allow_path, run), run, output, every)
+    export(*load_planned(file, plan, define, allow_path), output, every)
     return 0
 
 

@@ -19,6 +19,7 @@ from stlc.cli.common import (
     parse_defines,
 )
 from stlc.cli.completion import backend_option
+from stlc.cli.planned import load_planned
 from stlc.errors import InfeasibleError, NoPlanError, ViolationError
 from stlc.files import real
 
@@ -103,12 +104,10 @@ def _explain_plan(
 ) -> int:
     """Print what of a plan is tight; the exit status of `stlc explain FILE PLAN`."""
     from stlc.explain.tight import explain_plan
-    from stlc.plan import read_plan
 
     if given.every or given.fix or given.out is not None:
         raise click.UsageError("--all, --fix and --apply are for missions without a plan")
-    run = read_plan(plan)
-    found = explain_plan(load(file, define, allow_path, run), run)
+    found = explain_plan(*load_planned(file, plan, define, allow_path))
     answer(found.as_dict()) if given.as_json else click.echo(found.text())
     return 0 if found.report.ok else ViolationError.exit_status
 

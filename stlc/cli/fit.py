@@ -12,6 +12,7 @@ from stlc.cli.amount import Amount
 from stlc.cli.answer import answer
 from stlc.errors import UsageError
 from stlc.files import check_writable
+from stlc.inputs import check_input
 
 if TYPE_CHECKING:
     from stlc.radio.walls import Walls
@@ -77,8 +78,8 @@ def fit_command(
     options = FitOptions(d0=d0, receiver_offsets=offsets, seed=seed, walls=drawn)
     reading = SampleOptions(height, floor, None if where is None else _column(where), not_heard)
     for path in (samples, test):
-        if path is not None and not path.exists():
-            raise UsageError(f"{path} does not exist")
+        if path is not None:
+            check_input(path)
     if output is not None:
         check_writable(output)
     held_back = None if test is None else read_samples(test, replace(reading, where=None))

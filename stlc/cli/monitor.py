@@ -12,7 +12,7 @@ import click
 from stlc.cli.answer import answer
 from stlc.cli.common import load, mission_options, plain, show_diagnostics
 from stlc.errors import StlcError, UsageError
-from stlc.inputs import MOST_BYTES
+from stlc.inputs import MOST_BYTES, check_input
 
 if TYPE_CHECKING:
     from stlc.mission import Mission
@@ -127,8 +127,7 @@ def _report(mission: Mission, trace: Path) -> MonitorReport:
     """The judgement; a recording that doesn't fit is a mistake of the file, not of the call."""
     from stlc.monitor import monitor
 
-    if not trace.exists():
-        raise UsageError(f"{trace}: there is no such file")
+    check_input(trace)
     try:
         return monitor(mission, trace)
     except UsageError as error:

@@ -10,6 +10,7 @@ import click
 from stlc.cli.answer import answer
 from stlc.cli.common import check_outputs, compiled_model, load, mission_options
 from stlc.cli.completion import offer_encodings
+from stlc.cli.planned import load_planned
 from stlc.errors import ViolationError
 
 if TYPE_CHECKING:
@@ -27,11 +28,9 @@ def verify_command(
 
     Exit 6 when it violates the mission; the report says what, where and by how much.
     """
-    from stlc.plan import read_plan
     from stlc.verify import verify
 
-    run = read_plan(plan)
-    report = verify(load(file, define, allow_path, run), run)
+    report = verify(*load_planned(file, plan, define, allow_path))
     answer(report.as_dict()) if as_json else click.echo(report.text())
     return 0 if report.ok else ViolationError.exit_status
 
@@ -50,11 +49,9 @@ def plot_command(
     file: Path, plan: Path, define: tuple[str, ...], allow_path: tuple[Path, ...], output: Path
 ) -> int:
     """Draw PLAN: paths, obstacles, goals, inputs, link quality over time, the channel map."""
-    from stlc.plan import read_plan
     from stlc.plot import plot_plan
 
-    run = read_plan(plan)
-    plot_plan(load(file, define, allow_path, run), run, output)
+    plot_plan(*load_planned(file, plan, define, allow_path), output)
     return 0
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stlc.cli.amount import Amount
+from stlc.cli.amount import THREADS, Amount
 from stlc.cli.answer import answer
 from stlc.cli.common import (
     check_outputs,
@@ -57,7 +57,7 @@ class _Words:
 @click.option("--memory", type=Amount(min=0), metavar="GB", help="For each racer.")
 @click.option("--gap", type=Amount(min=0), default=1e-4, show_default=True,
               help="Relative distance from the optimum that is good enough.")  # fmt: skip
-@click.option("--threads", type=click.IntRange(min=1), default=1, show_default=True,
+@click.option("--threads", type=THREADS, default=1, show_default=True,
               help="Of each racer.")  # fmt: skip
 @solver_options
 @click.option(

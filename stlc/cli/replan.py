@@ -9,8 +9,9 @@ import click
 
 from stlc.cli.amount import Amount
 from stlc.cli.answer import answer
-from stlc.cli.common import check_outputs, load, mission_options
+from stlc.cli.common import check_outputs, mission_options
 from stlc.cli.completion import backend_option
+from stlc.cli.planned import load_planned
 from stlc.cli.progress import listener
 from stlc.errors import ViolationError
 
@@ -50,15 +51,13 @@ def replan_command(
     of the whole mission again. Exit 6 when it cannot keep all that the mission asks for: it says
     what is lost, what is exceeded and by how much.
     """
-    from stlc.plan import read_plan
     from stlc.renew.measured import read_past
     from stlc.renew.past import along
     from stlc.renew.reestimate import channel_of, read_heard
     from stlc.renew.replanning import replan
     from stlc.solve.outcome import SolveSettings
 
-    old = read_plan(plan)
-    mission = load(file, define, allow_path, old)
+    mission, old = load_planned(file, plan, define, allow_path)
     check_outputs(output)
     _check_plan(mission, old)
     past = along(mission, old, step, {}) if state is None else read_past(state, mission, old, step)

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from stlc.cli.common import check_outputs, load, mission_options
+from stlc.cli.common import check_outputs, mission_options
+from stlc.cli.planned import load_planned
 
 
 @click.command("report")
@@ -23,10 +24,8 @@ def report_command(
     The page needs nothing else: no network, no other file. The mission's text stands beside the
     map, each requirement green or red.
     """
-    from stlc.plan import read_plan
     from stlc.report import write_report
 
     check_outputs(output)
-    run = read_plan(plan)
-    write_report(load(file, define, allow_path, run), run, output)
+    write_report(*load_planned(file, plan, define, allow_path), output)
     return 0

@@ -8,7 +8,8 @@ import click
 
 from stlc.cli.amount import Amount
 from stlc.cli.answer import answer
-from stlc.cli.common import load, mission_options
+from stlc.cli.common import mission_options
+from stlc.cli.planned import load_planned
 
 
 @click.command("simulate")
@@ -38,11 +39,9 @@ def simulate_command(
     Channels are drawn jointly over pairs and steps, packets fade, and agents are off their plan by
     the noise that FILE declares (`start_noise`, `control_noise`).
     """
-    from stlc.plan import read_plan
     from stlc.simulate import simulate
 
-    run = read_plan(plan)
-    mission = load(file, define, allow_path, run)
+    mission, run = load_planned(file, plan, define, allow_path)
     found = simulate(
         mission, run, draws=draws, seed=seed, confidence=confidence, fading=not no_fading
     )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stlc.cli.amount import Amount
+from stlc.cli.amount import SEED, THREADS, Amount
 from stlc.cli.answer import answer, answer_end
 from stlc.cli.common import (
     GRACE,
@@ -79,12 +79,10 @@ class _Words:
               help="Seconds for the solver; the best plan so far stands.")  # fmt: skip
 @click.option("--gap", type=Amount(min=0), default=1e-4, show_default=True,
               help="Relative distance from the optimum that is good enough.")  # fmt: skip
-@click.option(
-    "--threads", type=click.IntRange(min=1), help="Of the solver, processes of searches; else one."
-)
+@click.option("--threads", type=THREADS, help="Of the solver, processes of searches; else one.")
 @click.option("--cluster", metavar="ADDRESS",
               help="Small solves of searches run on a dask.distributed cluster.")  # fmt: skip
-@click.option("--seed", type=click.IntRange(min=0), help="Of the solver's random choices.")
+@click.option("--seed", type=SEED, help="Of the solver's random choices.")
 @click.option("--start", type=click.Path(path_type=Path), help="A plan to start from.")
 @click.option("--shift", type=click.IntRange(min=0), default=0, help="Shift the start by steps.")
 @solver_options

@@ -53,12 +53,13 @@ class Explained:
         """Plain JSON values."""
         return {
             "verified": self.report.ok,
+            "violations": self.report.as_dict()["violations"],
             "requirements": [s.as_dict() for s in self.standings],
             "marginal_cost": LABEL,
         }
 
     def text(self) -> str:
-        """A table for a person."""
+        """What is violated, and a table, for a person."""
         tight = sum(s.tight for s in self.standings)
         verdict = "satisfies" if self.report.ok else "violates"
         head = f"{self.report.mission}: the plan {verdict} the mission; {tight} of "
@@ -72,7 +73,8 @@ class Explained:
             for row in rows
         ]  # fmt: skip
         note = [f"  marginal cost: {LABEL}"] if any(s.price for s in self.standings) else []
-        return "\n".join([head, *lines, *note])
+        broken = [f"  violated: {v}" for v in self.report.violations]
+        return "\n".join([head, *broken, *lines, *note])
 
 
 def explain_plan(mission: Mission, plan: Plan) -> Explained:

@@ -58,17 +58,19 @@ def _lines(count: int) -> str:
 
 def _document(path: Path) -> Any:
     """The drawing, read with ezdxf."""
+    import io
+
+    try:
+        content = io.BytesIO(read_input(path))
+    except InputError as error:
+        raise UsageError(f"cannot read `{path}`: {error}") from None
     try:
         from ezdxf import recover
         from ezdxf.lldxf.const import DXFError
     except ImportError:
         raise UsageError("DXF needs a package: pip install 'stlc[maps]'") from None
-    import io
-
     try:
-        document, audit = recover.read(io.BytesIO(read_input(path)))
-    except InputError as error:
-        raise UsageError(f"cannot read `{path}`: {error}") from None
+        document, audit = recover.read(content)
     except (OSError, DXFError) as error:
         raise UsageError(f"cannot read `{path}`: no DXF ({error})") from None
     if audit.has_errors:

@@ -95,12 +95,16 @@ def load_grid(path: Path) -> Grid:
 def _facts(path: Path) -> dict[str, Any]:
     """What the YAML file says."""
     try:
+        text = read_input(path).decode("utf-8")
+    except (InputError, UnicodeDecodeError) as error:
+        raise UsageError(f"cannot read `{path}`: {error}") from None
+    try:
         import yaml
     except ImportError:
         raise UsageError("maps of ROS need a package: pip install 'stlc[maps]'") from None
     try:
-        facts = yaml.safe_load(read_input(path).decode("utf-8"))
-    except (InputError, UnicodeDecodeError, yaml.YAMLError) as error:
+        facts = yaml.safe_load(text)
+    except yaml.YAMLError as error:
         raise UsageError(f"cannot read `{path}`: {' '.join(str(error).split())}") from None
     missing = {"image", "resolution", "origin", "occupied_thresh", "free_thresh"} - set(
         facts if isinstance(facts, dict) else ()

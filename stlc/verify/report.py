@@ -15,6 +15,8 @@ from stlc.verify.preference_report import PreferenceReport
 from stlc.verify.requirement_report import RequirementReport as RequirementReport
 from stlc.verify.requirement_report import is_tight, slack_of, tight_words
 
+_TOUCH = 1e-6  # m: what is nearer touches, by the tolerance that requirements are judged with
+
 
 @dataclass(frozen=True, slots=True)
 class Violation:
@@ -69,7 +71,7 @@ class Clearance:
     @property
     def is_cut(self) -> bool:
         """Within the body of an obstacle."""
-        return self.what == "body" and self.value < -1e-6
+        return self.what == "body" and self.value < -_TOUCH
 
     def __str__(self) -> str:
         if self.is_cut:
@@ -78,7 +80,8 @@ class Clearance:
                 f"at {self.time:.3g} s; a requirement with `swept` forbids that"
             )
         words = _CLEARANCE[self.what].format(self)
-        return f"{words}: {self.value:.4g} m at {self.time:.3g} s, between samples included"
+        value = 0.0 if abs(self.value) < _TOUCH else self.value
+        return f"{words}: {value:.4g} m at {self.time:.3g} s, between samples included"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -199,7 +202,14 @@ def _objective_lines(report: Report) -> list[str]:
     said = "best of tied cells and of what polygons leave open"
     remark = f" ({said}; {worst:.8g} with the worst)" if tied else ""
     lines = [f"  objective {best:.8g}{remark}"]
-    return lines + [f"    {t.weight:+g} x {t.name} = {t.low:.8g}" for t in report.terms]
+    return lines + [_term_line(t, report.sense) for t in report.terms]
+
+
+def _term_line(term: TermReport, sense: Sense) -> str:
+    """A term with its share of the objective's best value: the lines add up to it."""
+    value = term.low if (term.weight > 0) is (sense is Sense.MINIMIZE) else term.high
+    product = f"{term.weight:g} x {value:.8g} = {term.weight * value:.8g}"
+    return f"    {term.weight:+g} x {term.name} = {product}"
 
 
 def _clearance_lines(clearances: tuple[Clearance, ...]) -> list[str]:

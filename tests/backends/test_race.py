@@ -52,8 +52,8 @@ def test_an_infeasible_claim_is_a_proof_to_be_confirmed() -> None:
 
 
 def test_failures_do_not_end_the_race() -> None:
-    broken = SolveOptions(extra={"command": "false"})
-    silent = SolveOptions(extra={"command": "true"})
+    broken = SolveOptions(extra={"command": "false {mps} {sol}"})
+    silent = SolveOptions(extra={"command": "true {mps} {sol}"})
     result = race(
         [
             Racer("unknown", "nobody", knapsack()),

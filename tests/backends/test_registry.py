@@ -113,7 +113,10 @@ def test_an_unknown_solver_option_is_refused(name: str) -> None:
     [
         ({}, "needs a command"),
         ({"command": "no-such-program {mps} {sol}"}, "cannot run no-such-program"),
-        ({"command": "sh -c 'echo out of licences; exit 3'"}, "status 3: out of licences"),
+        (
+            {"command": "sh -c 'echo no licence; exit 3' {mps} {sol}"},
+            "status 3: no licence",
+        ),
         ({"command": "cp {mps} {sol}"}, "not readable"),
     ],
 )

@@ -43,8 +43,16 @@ def test_other_files_are_told_apart(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="no store or table"):
         read_runs(tmp_path / "nothing")
     odd = tmp_path / "odd.csv"
-    odd.write_text("a,b\n1,2\n")
-    with pytest.raises(UsageError, match="no table of benchmark runs"):
+    for words in ("a,b\n1,2\n", "", "step 1 s\nhorizon 2\n"):
+        odd.write_text(words)
+        with pytest.raises(UsageError, match="no table of benchmark runs: its header lacks key, "):
+            read_runs(odd)
+    odd.write_text(to_csv((record("p", "auto", 1.0),)).replace("key,", "id,"))
+    with pytest.raises(UsageError, match=r"lacks key$"):
+        read_runs(odd)
+    header, row = to_csv((record("p", "auto", 1.0),)).splitlines()
+    odd.write_text(f"{header}\n{row.partition(',')[0]}\n")
+    with pytest.raises(UsageError, match="line 2: repeat can't be ''"):
         read_runs(odd)
     text = tmp_path / "text"
     text.write_text("not a data base, but long enough to be taken for one" * 10)
@@ -60,8 +68,10 @@ def test_a_damaged_store_is_told(text: str, tmp_path: Path) -> None:
     Store(path).create()
     with sqlite3.connect(path) as base:
         base.execute("INSERT INTO runs VALUES ('k', 's', 'p', 'l', 1, 'f', ?)", (text,))
-    with pytest.raises(UsageError, match="damaged"):
+    with pytest.raises(UsageError, match="damaged") as told:
         Store(path).records()
+    assert "__init__" not in str(told.value)
+    assert "attribute" not in str(told.value)
 
 
 def test_a_base_of_another_kind(tmp_path: Path) -> None:

@@ -43,7 +43,7 @@ ENDS = [
     (("solve", "m.stl", "--gap", "much"), 2, "usage"),
     (("solve", "m.stl", "-o", "m.stl"), 2, "usage"),
     (("solve", "m.stl", "-o", "gone/p.json"), 74, "not_written"),
-    (("solve", "m.stl", "--backend", "external", "--option", "command=/bin/false"), 5,
+    (("solve", "m.stl", "--backend", "external", "--option", "command=/bin/false {mps} {sol}"), 5,
      "solver_failed"),
     (("race", "conflict.stl", "--with", "highs:auto"), 3, "infeasible"),
     (("verify", "m.stl", "p.json"), 2, "usage"),

@@ -108,6 +108,8 @@ def test_wrong_usage_is_status_2(capsys, good, arguments):
 
 def test_files_that_are_not_there(capsys, good, tmp_path):
     assert run(capsys, tmp_path / "none.csv")[0] == 2
+    assert run(capsys, tmp_path)[0] == 2
+    assert run(capsys, good, "--test", tmp_path)[0] == 2
     assert run(capsys, good, "--test", tmp_path / "none.csv")[0] == 2
     assert run(capsys, good, "-o", tmp_path / "none" / "fit.png")[0] == 74
     (tmp_path / "torn.gz").write_bytes(b"\x1f\x8bxxxx")

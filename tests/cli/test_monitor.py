@@ -139,6 +139,7 @@ def test_a_recording_that_is_too_short(
 
 def test_wrong_calls(spec: Path, trace: Path, tmp_path: Path, monkeypatch: Patch) -> None:
     assert run(monkeypatch, "monitor", spec, tmp_path / "nowhere.csv") == 2
+    assert run(monkeypatch, "monitor", spec, tmp_path) == 2
     assert run(monkeypatch, "monitor", tmp_path / "nowhere.stl", trace) == 2
     assert run(monkeypatch, "monitor", spec, trace, "--at", "0.7") == 2
     assert run(monkeypatch, "monitor", spec, trace, "--at", "nan") == 2

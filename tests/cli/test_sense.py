@@ -171,6 +171,11 @@ def test_both_senses_are_minimised(folder: Path) -> None:
     assert "-1 x robustness" in outcome.report.text()
     assert "+0.01 x effort" in outcome.report.text()
     assert "-0.01 x effort" in other.report.text()
+    for report in (outcome.report, other.report):
+        terms = [line for line in report.text().splitlines() if " x " in line]
+        shares = [float(line.rpartition(" = ")[2]) for line in terms]
+        assert report.objective is not None
+        assert sum(shares) == pytest.approx(report.objective[report is other.report], abs=1e-7)
 
 
 def test_records_of_benchmarks() -> None:

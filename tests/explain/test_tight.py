@@ -101,3 +101,12 @@ def test_as_a_person_calls_it(tmp_path: Path) -> None:
     broken = stlc("explain", "n.stl", "p.json", folder=tmp_path)
     assert broken.returncode == 6
     assert "violates" in broken.stdout
+    plan = json.loads((tmp_path / "p.json").read_text())
+    plan["agents"]["a"]["inputs"][1][0] += 0.5
+    (tmp_path / "off.json").write_text(json.dumps(plan))
+    told = stlc("verify", "m.stl", "off.json", folder=tmp_path).stdout
+    lines = [line for line in told.splitlines() if line.startswith("  violated: ")]
+    off = stlc("explain", "m.stl", "off.json", folder=tmp_path)
+    assert off.returncode == 6
+    assert lines
+    assert off.stdout.splitlines()[1 : 1 + len(lines)] == lines

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 
 import ezdxf
 import numpy as np
@@ -189,6 +190,17 @@ def test_names_are_those_of_the_language():
     assert [identifier(t) for t in ("hall", "2nd floor", "a-b.c", "--")] == [
         "hall", "m_2nd_floor", "a_b_c", "map",
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["none.yaml", "none.dxf"])
+def test_what_is_not_there_is_told_before_what_is_not_installed(name, tmp_path, monkeypatch):
+    for package in ("yaml", "ezdxf"):
+        monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(UsageError, match="there is no such file"):
+        read_map(tmp_path / name)
+    (tmp_path / name).touch()
+    with pytest.raises(UsageError, match="need"):
+        read_map(tmp_path / name)
 
 
 def test_the_command(tmp_path):

@@ -8,6 +8,7 @@ import shapely
 
 from stlc.verify.barriers import Out
 from stlc.verify.clearance import _clear, _held
+from stlc.verify.report import Clearance
 
 CORNERS = [
     (7.328860768587152, 5.20025257204648),
@@ -37,3 +38,10 @@ def test_a_motion_that_meets_a_body_in_nothing_touches_it(monkeypatch: pytest.Mo
     nothing = shapely.LineString()
     monkeypatch.setattr(shapely, "intersection", lambda *given: nothing)
     assert _clear(TIMES, places, out) == (0.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"), [(3.176e-22, ": 0 m"), (-5.551e-17, ": 0 m"), (2e-6, ": 2e-06 m")]
+)
+def test_rounding_is_no_distance(value: float, shown: str) -> None:
+    assert shown in str(Clearance("body", "a", "wall", value, 1.0))

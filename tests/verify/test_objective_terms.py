@@ -1,5 +1,7 @@
 """The objective term by term, and what a plan claims of it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support.judged import GRID, STILL, T, judged
@@ -13,6 +15,7 @@ from stlc.ir.nodes import (
 )
 from stlc.mission import Channel, ObjectiveTerm, TermKind
 from stlc.plan import SolveInfo
+from stlc.sense import Sense
 
 
 def test_objective_term_by_term():
@@ -39,6 +42,9 @@ def test_objective_term_by_term():
     ]
     assert report.objective == (1.0 + 1.0 + 2 * cheap - 1.25, 1.0 + 1.0 + 2 * dear - 1.25)
     assert "best of tied cells" in report.text()
+    assert f"+2 x link_cost(radio)[0, 2] = 2 x {cheap} = {2 * cheap}\n" in report.text()
+    maximised = replace(report, sense=Sense.MAXIMIZE).text()
+    assert f"+2 x link_cost(radio)[0, 2] = 2 x {dear} = {2 * dear}\n" in maximised
 
 
 def test_normalised_divides_by_the_static_range():
