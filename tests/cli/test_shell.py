@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -86,7 +87,7 @@ def test_a_shell_takes_the_script(tmp_path):
 def test_every_shell_has_a_script(shell, tmp_path):
     done = inside("completion", shell, folder=tmp_path)
     assert done.returncode == 0
-    assert f"_STLC_COMPLETE={shell}_complete" in done.stdout
+    assert re.search(rf"_STLC_COMPLETE[= ]{shell}_complete", done.stdout)
     assert inside("completion", "cmd", folder=tmp_path).returncode == 2
 
 

@@ -13,7 +13,7 @@ from support.worlds import SYSTEMS, agent, atoms, formulas, mission, most_robust
 
 from stlc.backends import get
 from stlc.backends.base import SolveOptions, Status
-from stlc.errors import InfeasibleError, UsageError
+from stlc.errors import InfeasibleError, MissionError
 from stlc.ir.requirement import Requirement
 from stlc.milp.compile import Compiled, CompileOptions, compile_mission
 from stlc.milp.formulas.selectors import SELECTORS
@@ -127,7 +127,7 @@ def test_continuous_inputs_have_one_optimum(world: Mission, how: CompileOptions)
     world = replace(world, agents=free)
     try:
         plain = solve(world, CompileOptions(disabled_passes=frozenset(OPTIONAL)))
-    except UsageError:
+    except MissionError:
         assume(False)  # robustness without an upper bound: a formula that is always true
     other = solve(world, how)
     assert (plain is None) == (other is None)

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -97,13 +99,14 @@ def test_expected_inverse_snr_is_the_log_normal_mean():
 
 @pytest.mark.parametrize("cost", [c for c in CostName if c is not CostName.PAPER_INV_RSSI])
 def test_costs_fall_with_strength_and_worst_covers_the_interval(cost):
+    budget = replace(BUDGET, bandwidth=2e6, rate=2.5e5, power=20.0)  # what energy needs, too
     mean = np.linspace(-110.0, -70.0, 81)
-    value = link_cost(cost, mean, np.full_like(mean, 4.0), BUDGET).values
+    value = link_cost(cost, mean, np.full_like(mean, 4.0), budget).values
     assert (np.diff(value) <= 1e-9 * np.abs(value[1:]) + 1e-12).all()
     box = (np.array([-100.0]), np.array([-96.0])), (np.array([2.0]), np.array([5.0]))
-    worst = cost_interval(cost, *box, BUDGET).values[0]
+    worst = cost_interval(cost, *box, budget).values[0]
     m, s = np.meshgrid(np.linspace(-100, -96, 17), np.linspace(2, 5, 17))
-    assert link_cost(cost, m, s, BUDGET).values.max() <= worst + 1e-9
+    assert link_cost(cost, m, s, budget).values.max() <= worst + 1e-9
 
 
 def test_infinite_costs_are_clamped_and_reported():
