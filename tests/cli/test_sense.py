@@ -83,7 +83,7 @@ def test_verify_and_plot_read_plans_of_both_signs(folder: Path) -> None:
     stlc("solve", "m.stl", "-o", "p.json", folder=folder)
     told = stlc("verify", "m.stl", "p.json", folder=folder)
     assert told.returncode == 0
-    assert "objective 1.5\n    +1 x robustness = 1.5" in told.stdout
+    assert "objective 1.5\n    +1 x robustness = 1 x 1.5 = 1.5" in told.stdout
     given = json.loads(stlc("verify", "m.stl", "p.json", "--json", folder=folder).stdout)
     assert (given["sense"], given["objective"]) == ("maximize", pytest.approx(BEST))
     assert given["terms"][0]["weight"] == 1
