@@ -36,13 +36,18 @@ class Reach:
         todo = [node]
         while todo:  # formulas may be deeper than Python's stack
             part = todo[-1]
-            unknown = [child for child in part.children if id(child) not in self.known]
+            unknown = [c for c in part.children if id(c) not in self.known and c.children]
             todo += unknown
             if not unknown:
-                self.known[id(part)] = self._compute(part)
-                self.kept.append(part)
+                for each in (*part.children, part):
+                    self._keep(each)
                 todo.pop()
         return self.known[id(node)]
+
+    def _keep(self, node: Node) -> None:
+        if id(node) not in self.known:
+            self.known[id(node)] = self._compute(node)
+            self.kept.append(node)
 
     def _compute(self, node: Node) -> int:
         """The same of a node whose parts are known."""

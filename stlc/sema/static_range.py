@@ -65,15 +65,30 @@ class StaticRange:
         todo = [(node, first)]
         while todo:  # deeper than Python's stack, maybe
             part, start = todo[-1]
-            unknown = [(c, False) for c in part.children if id(c) not in self.later]
+            unknown = self._unknown(part, False)
             if start:
-                unknown += [(c, True) for c in part.children if id(c) not in self.early]
+                unknown += self._unknown(part, True)
             todo += unknown
             if not unknown:
-                (self.early if start else self.later)[id(part)] = self._compute(part, start)
-                self.kept.append(part)
+                self._keep(part, start)
                 todo.pop()
         return known[id(node)]
+
+    def _unknown(self, node: Node, first: bool) -> list[tuple[Node, bool]]:
+        """The parts that are to be looked at before; predicates, most of all nodes, are at once."""
+        known, unknown = self.early if first else self.later, []
+        for child in node.children:
+            if id(child) in known:
+                continue
+            if child.children:
+                unknown.append((child, first))
+            else:
+                self._keep(child, first)
+        return unknown
+
+    def _keep(self, node: Node, first: bool) -> None:
+        (self.early if first else self.later)[id(node)] = self._compute(node, first)
+        self.kept.append(node)
 
     def _compute(self, node: Node, first: bool) -> Interval:
         """An interval that holds the robustness at the start (`first`), or at any step."""
