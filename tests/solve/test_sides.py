@@ -11,7 +11,7 @@ from stlc.backends.base import SolveOptions, Status
 from stlc.milp.compile import Compiled, compile_mission
 from stlc.solve.alone.run import Run
 from stlc.solve.judge import Judge
-from stlc.solve.teams.sides import decided
+from stlc.solve.teams.sides import decided, left_out
 
 HIGHS = backends.get("highs")
 TEXT = """
@@ -46,7 +46,7 @@ def straight() -> dict[str, Run]:
 
 
 def test_of_runs_that_collide_only_that_is_left_to_decide(compiled: Compiled) -> None:
-    model = decided(compiled, compiled.model, straight())
+    model = decided(compiled.model, left_out(compiled, straight()))
     free = (model.integrality == 1) & (model.col_upper > model.col_lower)
     before = (compiled.model.integrality == 1) & (
         compiled.model.col_upper > compiled.model.col_lower
@@ -65,13 +65,13 @@ def test_a_run_that_gets_along_stays_possible(compiled: Compiled) -> None:
     best = HIGHS.solve(compiled.model, SolveOptions(gap=1e-6))
     made = compiled.decode(best.x)
     runs = {name: (made.states[name], made.inputs[name]) for name in made.states}
-    again = HIGHS.solve(decided(compiled, compiled.model, runs), SolveOptions(gap=1e-6))
+    again = HIGHS.solve(decided(compiled.model, left_out(compiled, runs)), SolveOptions(gap=1e-6))
     assert again.objective == pytest.approx(best.objective, abs=1e-5)
 
 
 def test_a_literal_that_two_disjunctions_share_is_kept_for_either(compiled: Compiled) -> None:
     """Closing one's alternative must not close what the other is satisfied by."""
-    model = decided(compiled, compiled.model, straight())
+    model = decided(compiled.model, left_out(compiled, straight()))
     closed = set(np.flatnonzero(model.col_upper < compiled.model.col_upper).tolist())
     for encoded in compiled.layout.encoded:
         for _, alternatives in encoded.choices:

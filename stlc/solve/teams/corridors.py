@@ -19,7 +19,7 @@ from stlc.solve.alone.run import Run
 from stlc.solve.deadline import Deadline
 from stlc.solve.routes.tube import tube
 from stlc.solve.strategy import Work
-from stlc.solve.teams.sides import decided
+from stlc.solve.teams.sides import decided, left_out
 
 
 def beside(work: Work, runs: Mapping[str, Run], deadline: Deadline) -> Work:
@@ -28,15 +28,14 @@ def beside(work: Work, runs: Mapping[str, Run], deadline: Deadline) -> Work:
     states = {name: run[0] for name, run in runs.items()}
     size = extent(work.compiled)
     near = [tube(work.compiled, states, part * size) for part in tuning.NEAR.beside]
-    moment = deadline.share(tuning.NEAR.sides)
+    moment, out = deadline.share(tuning.NEAR.sides), left_out(work.compiled, runs)
     for model in near:
-        better = _tried(work, decided(work.compiled, model, runs), moment)
+        better = _tried(work, decided(model, out), moment)
         if better is None:
             continue
-        if better is work or moment.over():
-            work = better
+        helped, work = better is not work, better
+        if not helped or moment.over():
             break
-        work = better
     return work if work.x is not None else _first(work, near, deadline)
 
 

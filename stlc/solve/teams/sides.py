@@ -9,43 +9,40 @@ Danna, Rothberg, Le Pape, 2005, with the runs in place of a relaxation).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
+from stlc.arrays import Ints
 from stlc.ir.nodes import And, Const, Linear, Node, Or
 from stlc.milp.compile import Compiled
-from stlc.milp.layout import Encoded
 from stlc.milp.model import Model
 from stlc.solve.alone.run import Run
 from stlc.solve.teams.couplings import MISS, value
 
-Alternatives = tuple[tuple[Node, int], ...]
 
-
-def decided(compiled: Compiled, model: Model, runs: Mapping[str, Run]) -> Model:
-    """`model` (the compiled one, or one with narrower bounds) with the sides of the runs."""
+def left_out(compiled: Compiled, runs: Mapping[str, Run]) -> Ints:
+    """Columns (k,) of the alternatives that the runs leave: what decides their sides is that these
+    are 0 (`decided`)."""
     best, others = set[int](), set[int]()
     for encoded in compiled.layout.encoded:
-        for alternatives in _satisfied(encoded, runs):
-            values = [value(node, runs) for node, _ in alternatives]
+        for node, alternatives in encoded.choices:
+            if not alternatives or not _is_plain(node):
+                continue
+            values = [value(alternative, runs) for alternative, _ in alternatives]
             first = int(np.argmax(values))
-            best.add(alternatives[first][1])
-            others.update(column for k, (_, column) in enumerate(alternatives) if k != first)
-    out = np.array(sorted(others - best), np.int64)
+            if values[first] >= encoded.level.margin - MISS:
+                best.add(alternatives[first][1])
+                others.update(column for k, (_, column) in enumerate(alternatives) if k != first)
+    return np.array(sorted(others - best), np.int64)
+
+
+def decided(model: Model, columns: Ints) -> Model:
+    """A model, of narrower bounds maybe, without these alternatives."""
     upper = model.col_upper.copy()
-    upper[out] = model.col_lower[out]
+    upper[columns] = model.col_lower[columns]
     return replace(model, col_upper=upper)
-
-
-def _satisfied(encoded: Encoded, runs: Mapping[str, Run]) -> Iterator[Alternatives]:
-    """The alternatives, with their literals, of the disjunctions that the runs satisfy."""
-    for node, alternatives in encoded.choices:
-        if alternatives and _is_plain(node):
-            reached = max(value(alternative, runs) for alternative, _ in alternatives)
-            if reached >= encoded.level.margin - MISS:
-                yield alternatives
 
 
 def _is_plain(node: Node) -> bool:
