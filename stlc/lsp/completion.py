@@ -77,13 +77,10 @@ def _members(document: Document, base: str) -> list[Offer]:
 def _names(document: Document) -> list[Offer]:
     """Names that the file and those it imports declare."""
     found: dict[str, Offer] = {}
-    for index, source in [
-        (document.index, document.source), *((i.index, i.source) for i in document.imports)
-    ]:  # fmt: skip
-        for name, statement in index.declarations.items():
-            kind = next(k for cls, k in _KINDS if isinstance(statement, cls))
-            text = source.text[statement.span.start : statement.span.end].split("\n")[0]
-            found.setdefault(name, Offer(name, kind, text))
+    for index in (document.index, *(i.index for i in document.imports)):
+        for name, declared in index.declarations.items():
+            kind = next(k for cls, k in _KINDS if isinstance(declared.statement, cls))
+            found.setdefault(name, Offer(name, kind, declared.span.text.split("\n")[0]))
     return list(found.values())
 
 
@@ -118,6 +115,6 @@ def _is_robot(document: Document, before: str) -> bool:
     head = re.search(r"[:=]\s*([^\W\d]\w*)\s*\{[^{}]*$", before)
     kind = head[1] if head else ""
     declared = document.index.declarations.get(kind)
-    if isinstance(declared, ast.DynamicsDecl):
-        kind = "" if declared.kind is None else declared.kind.text
+    if declared is not None and isinstance(declared.statement, ast.DynamicsDecl):
+        kind = "" if declared.statement.kind is None else declared.statement.kind.text
     return kind in ROBOTS

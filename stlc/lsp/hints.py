@@ -10,30 +10,32 @@ from stlc.sema.units import SECOND, UnknownUnitName, parse_unit
 from stlc.syntax import ast
 
 
-def hints(document: Document) -> list[tuple[int, str]]:
-    """Offsets, and what stands there."""
-    if document.mission is None:
+def hints(document: Document, start: int = 0, end: int | None = None) -> list[tuple[int, str]]:
+    """Offsets among the characters [start, end), and what stands there."""
+    mission = document.mission
+    if mission is None:
         return []
-    step = document.mission.step
+    end = len(document.text) if end is None else end
     found = [
-        (interval.span.end, text)
-        for statement in document.file.statements
+        (at + interval.span.end, text)
+        for at, statement in document.pieces.within(start, end)
         for interval in _intervals(statement)
-        if (text := _interval(interval, step))
+        if (text := _interval(interval, mission.step))
     ]
-    return sorted([*found, *_horizon(document)])
+    return sorted(hint for hint in (*found, *_horizon(document)) if start <= hint[0] <= end)
 
 
 def _horizon(document: Document) -> Iterator[tuple[int, str]]:
     """Behind `step`, where the file gives no horizon."""
-    statements, mission = document.file.statements, document.mission
+    mission = document.mission
     assert mission is not None
-    if any(isinstance(s, ast.Horizon) for s in statements):
+    placed = list(document.pieces.within(0, len(document.text)))
+    if any(isinstance(s, ast.Horizon) for _, s in placed):
         return
-    for statement in statements:
+    for at, statement in placed:
         if isinstance(statement, ast.Step):
             whole = mission.horizon * mission.step
-            yield statement.span.end, f" horizon {mission.horizon} steps, {whole:g} s"
+            yield at + statement.span.end, f" horizon {mission.horizon} steps, {whole:g} s"
 
 
 def _intervals(node: object) -> Iterator[ast.Interval]:

@@ -10,8 +10,7 @@ from stlc.lsp.document import Document
 from stlc.lsp.index import Occurrence
 from stlc.lsp.words import SIGNALS, STATEMENTS, WORDS
 from stlc.mission import Agent, Mission
-from stlc.source import Source, Span
-from stlc.syntax import ast
+from stlc.source import Span
 
 _WORD = re.compile(r"[^\W\d]\w*")
 
@@ -47,22 +46,19 @@ def _declared(document: Document, one: Occurrence) -> str | None:
     if one.owner is not None:
         first = document.index.same(one)[0]
         return f"`{one.name}`, bound in line {first.span.line}"
-    statement, source = declaration(document, one.name)
-    if statement is None or source is None:
+    span = declaration(document, one.name)
+    if span is None:
         return None
-    text = source.text[statement.span.start : statement.span.end]
     facts = "" if document.mission is None else _facts(document.mission, one.name)
-    return f"```stl\n{text}\n```" + (f"\n\n{facts}" if facts else "")
+    return f"```stl\n{span.text}\n```" + (f"\n\n{facts}" if facts else "")
 
 
-def declaration(document: Document, name: str) -> tuple[ast.Statement | None, Source | None]:
+def declaration(document: Document, name: str) -> Span | None:
     """The statement that declares a name, here or in an imported file."""
-    for index, source in [
-        (document.index, document.source), *((i.index, i.source) for i in document.imports)
-    ]:  # fmt: skip
+    for index in (document.index, *(i.index for i in document.imports)):
         if name in index.declarations:
-            return index.declarations[name], source
-    return None, None
+            return index.declarations[name].span
+    return None
 
 
 def _facts(mission: Mission, name: str) -> str:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from stlc.record import Record
-from stlc.source import Span
+from stlc.source import Source, Span
 from stlc.syntax import ast
 
-Declared = (
+Named = (
     ast.Param | ast.DynamicsDecl | ast.AgentDecl | ast.StationDecl | ast.RegionDecl
-    | ast.ObstacleDecl | ast.WallDecl | ast.ChannelDecl | ast.Let
+    | ast.ObstacleDecl | ast.WallDecl | ast.ChannelDecl | ast.Let | ast.Require | ast.Prefer
 )  # fmt: skip
 
 
@@ -27,11 +28,67 @@ class Occurrence:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Index:
-    """All occurrences of a file, and its declarations by name."""
+class Words:
+    """Occurrences in some statements, and the first of these of each name."""
 
     occurrences: tuple[Occurrence, ...]
-    declarations: Mapping[str, Declared | ast.Require | ast.Prefer]
+    declarations: Mapping[str, Named]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """Words that stand `by` characters further on in `source` than their spans say."""
+
+    source: Source
+    by: int
+    words: Words
+
+    def occurrences(self) -> Iterator[Occurrence]:
+        """Those of the words, where they stand."""
+        for one in self.words.occurrences:
+            owner = one.owner and self._place(one.owner)
+            yield Occurrence(one.name, self._place(one.span), one.declares, owner)
+
+    def declarations(self) -> Iterator[tuple[str, Declaration]]:
+        """Those of the words, where they stand."""
+        for name, statement in self.words.declarations.items():
+            if statement.name is not None:
+                where = self._place(statement.span), self._place(statement.name.span)
+                yield name, Declaration(statement, *where)
+
+    def _place(self, span: Span) -> Span:
+        return Span(self.source, span.start + self.by, span.end + self.by)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Declaration:
+    """A statement that declares a name, its place and the name's; spans within the statement may
+    count from elsewhere."""
+
+    statement: Named
+    span: Span
+    name: Span
+
+
+@dataclass(frozen=True, eq=False)
+class Index:
+    """The names of a text, by the words of its parts; put together when they are asked for."""
+
+    parts: tuple[Part, ...]
+
+    @cached_property
+    def occurrences(self) -> tuple[Occurrence, ...]:
+        """Every name where it stands."""
+        return tuple(one for part in self.parts for one in part.occurrences())
+
+    @cached_property
+    def declarations(self) -> Mapping[str, Declaration]:
+        """The first declaration of each name."""
+        found: dict[str, Declaration] = {}
+        for part in self.parts:
+            for name, declaration in part.declarations():
+                found.setdefault(name, declaration)
+        return found
 
     def at(self, offset: int) -> Occurrence | None:
         """The occurrence at an offset, its end included."""
@@ -44,18 +101,18 @@ class Index:
         return sorted(mine, key=lambda o: o.span.start)
 
 
-def index(file: ast.File) -> Index:
-    """The index of a parsed file; statements with mistakes are not in it."""
+def words(file: ast.File) -> Words:
+    """The words of a parsed text; statements with mistakes are not in it."""
     walk = _Walk()
-    found = [o for statement in file.statements for o in walk.statement(statement)]
-    return Index(tuple(found), _declarations(file))
+    found = tuple(o for statement in file.statements for o in walk.statement(statement))
+    return Words(found, _declarations(file))
 
 
-def _declarations(file: ast.File) -> dict[str, Declared | ast.Require | ast.Prefer]:
+def _declarations(file: ast.File) -> dict[str, Named]:
     """The first statement of each name."""
-    found: dict[str, Declared | ast.Require | ast.Prefer] = {}
+    found: dict[str, Named] = {}
     for statement in file.statements:
-        if isinstance(statement, Declared | ast.Require | ast.Prefer) and statement.name:
+        if isinstance(statement, Named) and statement.name:
             found.setdefault(statement.name.text, statement)
     return found
 
@@ -72,7 +129,7 @@ class _Walk:
         if isinstance(statement, ast.SignalDecl):
             yield from (Occurrence(n.text, n.span, True) for n in statement.names)
             return
-        if isinstance(statement, Declared | ast.Require | ast.Prefer) and statement.name:
+        if isinstance(statement, Named) and statement.name:
             yield Occurrence(statement.name.text, statement.name.span, True)
         if isinstance(statement, ast.Let):
             for parameter in statement.parameters:

@@ -27,6 +27,8 @@ from stlc.version import __version__
 
 QUIET = 0.15  # s without a key before a text is checked again: between keys of a fast typist
 
+TURN = 1e-3  # s that a check keeps the interpreter while a question waits: answers take some five turns
+
 _NAME = re.compile(r"[^\W\d]\w*")
 
 
@@ -46,7 +48,8 @@ class Features:
         for known in (self._checked.get(uri), self._seen.get(uri)):
             if known is not None and known.text == text:
                 return known
-        self._seen[uri] = found = glance(text, _path(uri), self._checked.get(uri))
+        checked, seen = self._checked.get(uri), self._seen.get(uri)
+        self._seen[uri] = found = glance(text, _path(uri), checked, seen)
         return found
 
     def checked(self, uri: str) -> Document:
@@ -173,7 +176,7 @@ class Features:
         found = self.document(params.text_document.uri)
         if not found.readable:
             return None
-        new = format_file(found.file)
+        new = format_file(found.pieces.result.file)
         if new == found.text:
             return []
         return [types.TextEdit(place(found.source.span(0, len(found.text))), new)]
@@ -181,9 +184,9 @@ class Features:
     def hints(self, params: types.InlayHintParams) -> list[types.InlayHint]:
         """Remarks within the lines that are shown."""
         found = self.document(params.text_document.uri)
-        lines = range(params.range.start.line, params.range.end.line + 1)
-        placed = [(position(found.source, at), text) for at, text in hints(found)]
-        return [types.InlayHint(at, text) for at, text in placed if at.line in lines]
+        first, last = (offset(found.source, at) for at in (params.range.start, params.range.end))
+        placed = hints(found, first, last)
+        return [types.InlayHint(position(found.source, at), text) for at, text in placed]
 
     def actions(self, params: types.CodeActionParams) -> list[types.CodeAction]:
         """Mends that diagnostics offer."""
@@ -195,10 +198,10 @@ class Features:
         found = self.document(params.text_document.uri)
         return [
             types.DocumentSymbol(
-                name, types.SymbolKind.Variable, place(s.span), place(s.name.span),
-                detail=type(s).__name__.removesuffix("Decl").lower(),
+                name, types.SymbolKind.Variable, place(declared.span), place(declared.name),
+                detail=type(declared.statement).__name__.removesuffix("Decl").lower(),
             )
-            for name, s in found.index.declarations.items() if s.name is not None
+            for name, declared in found.index.declarations.items()
         ]  # fmt: skip
 
 
@@ -252,5 +255,6 @@ def make_server() -> Any:
 
 def serve() -> None:
     """Answer on standard input and output until the editor leaves."""
+    sys.setswitchinterval(TURN)
     with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as out:  # the server closes what it is given
         make_server().start_io(sys.stdin.buffer, out)

@@ -11,6 +11,7 @@ from stlc.source import Source
 
 if TYPE_CHECKING:
     from stlc.mission import Mission
+    from stlc.syntax.parse import ParseResult
 
 
 def load_mission(
@@ -26,15 +27,26 @@ def load_mission(
     Raises MissionError with all diagnostics of syntax and meaning together; warnings alone end up
     in `Mission.warnings`.
     """
+    from stlc.syntax.parse import parse
+
+    with collector_paused():
+        return check_parsed(parse(source), params, folder, allow_paths)
+
+
+def check_parsed(
+    result: ParseResult,
+    params: Mapping[str, str | float] | None = None,
+    folder: Path | None = None,
+    allow_paths: Iterable[Path] = (),
+) -> Mission:
+    """Check what was parsed, as `load_mission` does."""
     from stlc.loader import FolderLoader, MemoryLoader
     from stlc.sema.analyse import analyse
     from stlc.sema.report import Report
-    from stlc.syntax.parse import parse
 
     loader = MemoryLoader() if folder is None else FolderLoader(folder, tuple(allow_paths))
+    report = Report()
     with collector_paused():
-        result = parse(source)
-        report = Report()
         for diagnostic in result.diagnostics:
             report.add(diagnostic)
         return analyse(result.file, params=params, loader=loader, report=report)
