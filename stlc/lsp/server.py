@@ -27,7 +27,7 @@ from stlc.version import __version__
 
 QUIET = 0.15  # s without a key before a text is checked again: between keys of a fast typist
 
-TURN = 1e-3  # s that a check keeps the interpreter while a question waits: answers take some five turns
+TURN = 1e-3  # s that a check keeps the interpreter while a question waits, some five times each
 
 _NAME = re.compile(r"[^\W\d]\w*")
 
