@@ -28,7 +28,7 @@ from stlc.arrays import Floats
 from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
 from stlc.solve.heuristics.dive_search import DiveSearch, never, required
-from stlc.solve.heuristics.lattice_runs import reference_points
+from stlc.solve.heuristics.references import reference_points
 from stlc.solve.strategy import Work
 
 _SHORT = 3e-5  # aim this far below the bound, relative: less than any sensible gap

@@ -10,12 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from stlc.analysis.ranges import Ranges
-from stlc.arrays import Bools, Floats
+from stlc.arrays import Floats
 from stlc.mission import Agent
+
+Words = npt.NDArray[np.unsignedinteger[Any]]
 
 _EDGE = 1e-9
 
@@ -104,8 +108,8 @@ def origins(axis: Axis, point: int, rate: int) -> list[tuple[int, int]]:
     ]
 
 
-def moved(f: Bools, axis: Axis, at: int) -> Bools:
-    """One step of one axis; its positions are dimension `at`, its rates the next."""
+def moved(f: Words, axis: Axis, at: int) -> Words:
+    """One step of one axis of words that are joined by `or`; its positions are dimension `at`, its rates the next."""
     g = np.moveaxis(f, (at, at + 1), (0, 1))
     out, n = np.zeros_like(g), len(g)
     for one, to, s in axis.moves:

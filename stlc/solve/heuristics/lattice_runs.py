@@ -1,7 +1,9 @@
 """Runs to follow: exact dynamic programming of one agent on a lattice of its controls.
 
 States of the lattice (`lattice.py`) carry a bit for each disjunction that ranges over time
-(eventually, until): with last(i) the last step that alternative i speaks of,
+(eventually, until), and all sets of bits that one position and rate is reached with are one word,
+whose bit m stands for the set with binary number m. With last(i) the last step that alternative i
+speaks of,
 
     bit set at step t                where some i with last(i) = t holds at t,
     bit not yet set after step t     only where all i with last(i) > t agree that t is allowed,
@@ -14,29 +16,24 @@ several agents or of rates is left out.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
-from stlc.analysis.goals import Level
 from stlc.analysis.ranges import Ranges
 from stlc.analysis.stages import LevelOf, single_place
 from stlc.arrays import Bools, Floats
-from stlc.ir.nodes import And, Linear, Node, Or, Role
-from stlc.ir.rewrite import conjuncts
+from stlc.ir.nodes import And, Linear, Node, Or
 from stlc.mission import Agent
-from stlc.solve.heuristics.lattice import Axis, axis_lattice, moved, origins
+from stlc.solve.heuristics.lattice import Axis, Words, axis_lattice, moved, origins
 
-if TYPE_CHECKING:
-    from stlc.milp.compile import Compiled
-
-_MOST = ((2, 10_000_000), (1, 60_000_000))  # parts of a control, lattice states over all steps
-_MOST_BITS = 6
-_LESS = 0.99
-_LATTICES = ((1.0, 0.0), (0.85, 0.3), (0.9, 0.5), (0.65, 0.4), (0.75, 0.5))
-"""Share of the controls; share of the spacing by which predicates may be missed. Exact first."""
+_MOST = 60_000_000  # bytes of a lattice over all steps; the door puzzle of three doors has 43
+# million in half controls, looked through in 0.5 CPU s, and no run in whole ones
+_PARTS = (2, 1)  # of a control
+_MOST_BITS = 6  # of a word of 64
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,46 +78,12 @@ def parts_by_step(root: Node, agent: str) -> dict[int, frozenset[Node]]:
     return {step: frozenset(nodes) for step, nodes in found.items()}
 
 
-def reference_points(compiled: Compiled, level_of: Callable[[Level], LevelOf]) -> Iterator[Floats]:
-    """How much each column (n,) is preferred by runs of lattices, exact runs first: 1 for the
-    alternative of a disjunction that holds best on the run, less for the others."""
-    for tight, miss in _LATTICES:
-        runs = _lattice_runs(compiled, level_of, tight, miss)
-        if runs is None:
-            continue
-        preference = np.zeros(compiled.model.columns)
-        for one in compiled.layout.encoded:
-            for _, pairs in one.choices:
-                values = np.array([robustness(part, runs) for part, _ in pairs])
-                if np.isfinite(values.max(initial=-np.inf)):
-                    columns = [column for _, column in pairs]
-                    preference[columns] = _LESS / (1.0 + values.max() - values)
-                    preference[columns[int(values.argmax())]] = 1.0  # one alone where several tie
-        yield preference
+@dataclass(frozen=True, slots=True, eq=False)
+class LatticeRun:
+    """States (T+1, n), and by how much they may miss a predicate of a unit normal."""
 
-
-def _lattice_runs(
-    compiled: Compiled, level_of: Callable[[Level], LevelOf], tight: float, miss: float
-) -> dict[str, Floats] | None:
-    """A run of every agent alone; None where one has none."""
-    runs = {}
-    for name, agent in compiled.mission.agents.items():
-        asserted: dict[int, list[tuple[Node, LevelOf]]] = {}
-        witnesses: list[tuple[Witness, LevelOf]] = []
-        for one in compiled.layout.encoded:
-            level = level_of(one.level)
-            for step, nodes in parts_by_step(one.formula, name).items():
-                asserted.setdefault(step, []).extend((n, level) for n in nodes)
-            top = conjuncts(one.formula)
-            for node in top:
-                found = Witness.of(node.args, name) if isinstance(node, Or) else None
-                if found is not None:
-                    witnesses.append((found, level))
-        run = find_run(agent, compiled.ranges[name], asserted, witnesses, miss, tight)
-        if run is None:
-            return None
-        runs[name] = run
-    return runs
+    states: Floats
+    room: float
 
 
 def find_run(
@@ -130,8 +93,8 @@ def find_run(
     witnesses: Sequence[tuple[Witness, LevelOf]],
     miss: float,
     tight: float,
-) -> Floats | None:
-    """States (T+1, n) of a lattice run, or None where there is none (or no such lattice).
+) -> LatticeRun | None:
+    """A lattice run, or None where there is none (or no such lattice).
 
     `asserted[t]` must hold at step t, one alternative of each witness must hold; predicates may be
     missed by `miss` times the lattice's spacing.
@@ -139,15 +102,27 @@ def find_run(
     if len(witnesses) > _MOST_BITS:
         return None
     steps = len(ranges.input_lower)
-    for parts, most in _MOST:
+    for parts in _PARTS:
         axes = [axis_lattice(agent, ranges, k, parts, tight) for k in range(2)]
         x, y = axes
         if x is None or y is None:
             return None
         size = len(x.points) * len(x.rates) * len(y.points) * len(y.rates)
-        if size * (steps + 1) << len(witnesses) <= most:
-            return _Lattice(agent, ranges, (x, y), asserted, witnesses, miss).run()
+        if size * (steps + 1) * _word(len(witnesses)).itemsize <= _MOST:
+            lattice = _Lattice(agent, ranges, (x, y), asserted, witnesses, miss)
+            states = lattice.run()
+            return None if states is None else LatticeRun(states, lattice.room)
     return None
+
+
+def _word(bits: int) -> np.dtype[np.unsignedinteger[Any]]:
+    """The least word with a bit for every set of so many bits."""
+    return np.dtype(f"u{max((1 << bits) // 8, 1)}")
+
+
+def _without(bit: int, bits: int) -> int:
+    """The word of all sets that one bit isn't in."""
+    return sum(1 << m for m in range(1 << bits) if not m >> bit & 1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -164,32 +139,35 @@ class _Lattice:
         x, y = self.axes
         steps, bits = len(self.ranges.input_lower), len(self.witnesses)
         sizes = [len(v) for g in self.axes for v in (g.points, g.rates)]
-        f = np.zeros((1 << bits, *sizes), bool)
-        f[(0, *x.start, *y.start)] = True
+        f = np.zeros(sizes, _word(bits))
+        f[(*x.start, *y.start)] = 1
         hits = [self._hits(t) for t in range(steps + 1)]
         self._settle(f, 0, hits[0])
         runs = [f]
         for t in range(1, steps + 1):
-            f = moved(moved(runs[-1], x, 1), y, 3)
-            f &= self._allowed(t)[None]
+            f = moved(moved(runs[-1], x, 0), y, 2)
+            f[~self._allowed(t)] = 0
             self._settle(f, t, hits[t])
             if not f.any():
                 return None
             runs.append(f)
-        ends = np.argwhere(runs[-1][-1])
+        ends = np.argwhere(_has(runs[-1], (1 << bits) - 1))
         if not len(ends):
             return None
         return self._trace(runs, hits, tuple(int(i) for i in ends[len(ends) // 2]))
 
-    def _settle(self, f: Bools, t: int, hits: Sequence[Bools]) -> None:
+    def _settle(self, f: Words, t: int, hits: Sequence[Bools]) -> None:
         """Set bits where a witness holds; drop what must not go on without."""
+        bits, word = len(self.witnesses), f.dtype.type
         for g, hit in enumerate(hits):
-            pairs = f.reshape(-1, 2, 1 << g, *f.shape[1:])
-            pairs[:, 1] |= pairs[:, 0] & hit[:, None, :, None]
+            if hit.any():
+                where = np.broadcast_to(hit[:, None, :, None], f.shape)
+                f[where] |= (f[where] & word(_without(g, bits))) << word(1 << g)
         for g, (witness, level) in enumerate(self.witnesses):
             fine = self._all(witness.until(t), level)
             if not fine.all():
-                f.reshape(-1, 2, 1 << g, *f.shape[1:])[:, 0] &= fine[:, None, :, None]
+                where = np.broadcast_to(~fine[:, None, :, None], f.shape)
+                f[where] &= word(_without(g, bits) << (1 << g))
 
     def _hits(self, t: int) -> list[Bools]:
         found = []
@@ -214,6 +192,11 @@ class _Lattice:
         a, b, c, d = inside
         room_for = (a[:, None] & b)[:, :, None, None] & (c[:, None] & d)[None, None]
         return np.asarray(room_for & fine[:, None, :, None])
+
+    @property
+    def room(self) -> float:
+        """By how much a run may miss a predicate of a unit normal."""
+        return math.sqrt(2.0) * self.miss * max(self._spacing(axis) for axis in self.axes)
 
     def _spacing(self, axis: Axis) -> float:
         return float(axis.points[1] - axis.points[0]) if len(axis.points) > 1 else 0.0
@@ -251,12 +234,12 @@ class _Lattice:
         return np.asarray(value >= level(node.unit) - room)
 
     def _trace(
-        self, runs: Sequence[Bools], hits: Sequence[Sequence[Bools]], end: tuple[int, ...]
+        self, runs: Sequence[Words], hits: Sequence[Sequence[Bools]], end: tuple[int, ...]
     ) -> Floats:
         """The states of one run that ends in lattice state `end` with every bit set."""
         x, y = self.axes
         out = np.tile(self.agent.start.astype(float), (len(runs), 1))
-        mask, (i, a, j, b) = len(runs[-1]) - 1, end
+        mask, (i, a, j, b) = (1 << len(self.witnesses)) - 1, end
         for t in range(len(runs) - 1, -1, -1):
             for axis, point, rate in ((x, i, a), (y, j, b)):
                 out[t, axis.position] = axis.points[point]
@@ -266,7 +249,7 @@ class _Lattice:
         return out
 
     def _before(
-        self, earlier: Bools, hits: Sequence[Bools], state: tuple[int, int, int, int, int]
+        self, earlier: Words, hits: Sequence[Bools], state: tuple[int, int, int, int, int]
     ) -> tuple[int, int, int, int, int]:
         """A state (goals met, x, rate, y, rate) one step earlier from which this one was
         reached."""
@@ -275,20 +258,11 @@ class _Lattice:
         for before in (m for m in range(mask, -1, -1) if m | (mask & new) == mask):
             for ra, pi in origins(self.axes[0], i, a):
                 for rb, pj in origins(self.axes[1], j, b):
-                    if earlier[before, pi, ra, pj, rb]:
+                    if _has(earlier[pi, ra, pj, rb], before):
                         return before, pi, ra, pj, rb
         raise AssertionError("every lattice state after the first has one before it")
 
 
-def robustness(node: Node, states: Mapping[str, Floats]) -> float:
-    """Of an unrolled formula on runs (T+1, n); -inf for what is not about states."""
-    match node:
-        case And(args=args):
-            return min((robustness(a, states) for a in args), default=np.inf)
-        case Or(args=args):
-            return max((robustness(a, states) for a in args), default=-np.inf)
-        case Linear(terms=terms) if all(s.role is Role.STATE for s, _ in terms):
-            return float(
-                node.constant + sum(v * states[s.owner][s.shift, s.index] for s, v in terms)
-            )
-    return -np.inf
+def _has(words: Words, mask: int) -> Bools:
+    """Whether each word has the set of bits with that number."""
+    return np.asarray(words >> words.dtype.type(mask) & words.dtype.type(1) == 1)
