@@ -109,7 +109,8 @@ def origins(axis: Axis, point: int, rate: int) -> list[tuple[int, int]]:
 
 
 def moved(f: Words, axis: Axis, at: int) -> Words:
-    """One step of one axis of words that are joined by `or`; its positions are dimension `at`, its rates the next."""
+    """One step of one axis of words joined by `or`; its positions are dimension `at`, its rates the
+    next."""
     g = np.moveaxis(f, (at, at + 1), (0, 1))
     out, n = np.zeros_like(g), len(g)
     for one, to, s in axis.moves:
