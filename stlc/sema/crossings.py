@@ -9,24 +9,31 @@ import numpy as np
 from stlc.mission import Array
 from stlc.places import Polytope
 from stlc.sema.contacts import DEEP, PLUG, TOUCH
-from stlc.sema.geometry import square
+from stlc.sema.geometry import polygons, square
 
 
 def single_points(pieces: Sequence[Polytope]) -> Iterable[Polytope]:
     """Plugs for single points inside the union that no piece has inside."""
     import shapely
 
-    rings = [shapely.Polygon(p.vertices) for p in pieces]
+    rings = polygons(pieces)
     # Grown and shrunk again, the union has no slits from rounding.
-    whole = shapely.union_all([r.buffer(TOUCH, join_style="mitre") for r in rings])
+    whole = shapely.union_all(shapely.buffer(rings, TOUCH, join_style="mitre"))
     whole = whole.buffer(-TOUCH - DEEP, join_style="mitre")
-    nodes = shapely.get_coordinates(shapely.union_all([r.boundary for r in rings]))
-    nodes = np.unique(nodes.round(9), axis=0)
+    nodes = shapely.get_coordinates(shapely.union_all(shapely.boundary(rings)))
+    nodes = unheld(_distinct(nodes), pieces)
     shapely.prepare(whole)
-    nodes = nodes[shapely.contains_xy(whole, nodes)]
-    for place in unheld(nodes, pieces):
+    for place in nodes[shapely.contains_xy(whole, nodes)]:
         depth = float(whole.boundary.distance(shapely.Point(place)))
         yield square(place, min(PLUG, (depth + DEEP) / 2.0))
+
+
+def _distinct(points: Array) -> Array:
+    """The points (n, 2), each once, to 1e-9 m; compared as complex numbers they are sorted in a
+    fifth of the time that rows take (0.03 of 0.17 s for 390,000)."""
+    rounded = np.ascontiguousarray(points.round(9)) + 0.0  # -0.0 is another bit pattern, not value
+    found: Array = np.unique(rounded.view(np.complex128)).view(np.float64).reshape(-1, 2)
+    return found
 
 
 TOGETHER = 32  # pieces, then the points that they hold are let go. Of 99,000 points in 56 wedges

@@ -141,6 +141,24 @@ def corners(normals: Array, offsets: Array) -> Array:
     return np.roll(np.column_stack([x, y]), 1, axis=0)
 
 
+def polygons(pieces: Sequence[Polytope]) -> np.ndarray[tuple[int], np.dtype[np.object_]]:
+    """The pieces as shapely's polygons (n,), made at once."""
+    import shapely
+
+    owner = np.repeat(np.arange(len(pieces)), [len(p.vertices) for p in pieces])
+    rings = shapely.linearrings(np.concatenate([p.vertices for p in pieces]), indices=owner)
+    found: np.ndarray[tuple[int], np.dtype[np.object_]] = shapely.polygons(rings)
+    return found
+
+
+def meeting_point(normals: Array, offsets: Array, corner: int) -> Point:
+    """Where face `corner` meets the one before it [m]; they aren't parallel."""
+    (ax, ay), a = normals[corner - 1].tolist(), float(offsets[corner - 1])
+    (bx, by), b = normals[corner].tolist(), float(offsets[corner])
+    turn = ax * by - ay * bx
+    return (a * by - b * ay) / turn, (ax * b - bx * a) / turn
+
+
 def contains(piece: Polytope, point: Array, slack: float = 0.0) -> bool:
     """True when every face is kept with at least `slack` [m]."""
     return bool((piece.offsets - piece.normals @ point >= slack).all())

@@ -33,8 +33,9 @@ from stlc.sema.crossings import single_points
 from stlc.sema.geometry import (
     Point,
     contains,
-    corners,
     counter_clockwise,
+    meeting_point,
+    polygons,
     polytope,
     simplified,
     square,
@@ -97,7 +98,7 @@ def _near(pieces: Sequence[Polytope]) -> list[tuple[int, int]]:
     """Pairs that may touch, in order."""
     import shapely
 
-    rings = np.array([shapely.Polygon(p.vertices) for p in pieces])
+    rings = polygons(pieces)
     found = shapely.STRtree(rings).query(rings, predicate="dwithin", distance=4.0 * TOUCH)
     pairs = found[:, found[0] < found[1]]
     if pairs.shape[1] > MOST_PAIRS:
@@ -145,8 +146,10 @@ def shifted(piece: Polytope, face: int, distance: float) -> Polytope | None:
         return None
     offsets = piece.offsets.copy()
     offsets[face] += distance
-    vertices = corners(piece.normals, offsets)
-    start, end = vertices[face], vertices[(face + 1) % count]
+    vertices, following = piece.vertices.copy(), (face + 1) % count
+    for corner in (face, following):
+        vertices[corner] = meeting_point(piece.normals, offsets, corner)
+    start, end = vertices[face], vertices[following]
     if float((end - start) @ np.array([-normal[1], normal[0]])) < TOUCH:
         return None
     return Polytope(piece.normals, offsets, vertices)

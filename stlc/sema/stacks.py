@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from stlc.places import Polytope, Sweep
-from stlc.sema.geometry import polytope
+from stlc.sema.geometry import polygons, polytope
 from stlc.sema.heights import TOUCH, Levels
 from stlc.sema.plugs import Sweeps
 from stlc.sema.values import Place
@@ -58,7 +58,7 @@ def _rests(place: Place) -> bool:
 def _union(place: Place) -> Any:
     import shapely
 
-    return shapely.union_all([shapely.Polygon(p.vertices) for p in place.frames[0]])
+    return shapely.union_all(polygons(place.frames[0]))
 
 
 def _is_areas(one: Any, other: Any) -> bool:

@@ -115,6 +115,8 @@ def _stays(agent: Agent) -> bool:
 def _check_tables(formulas: Iterable[Node], scope: Scope) -> None:
     """A table has one cost a cell, and a robot may be in another than its plan."""
     robots = {name for name, agent in scope.agents.items() if agent.robot is not None}
+    if not robots:
+        return
     for node in (n for formula in formulas for n in walk(formula)):
         if not isinstance(node, Link) or node.quantity is not Quantity.COST:
             continue
