@@ -86,12 +86,23 @@ def _at_point(ctx: Context, agent: Agent, workspace: Polytope, point: Floats) ->
     columns = np.hstack([ctx.states[name][:-1], ctx.inputs[name]])
     rows, rest = (workspace.normals @ point)[:, :-1], workspace.normals @ point[:, -1]
     rows = np.where(np.abs(rows) <= 1e-12, 0.0, rows)
-    for row, limit in zip(rows, workspace.offsets - rest, strict=True):
-        steps = np.flatnonzero(_most(row, ranges) > limit + 1e-9)
+    room = np.abs(rows) @ _off(agent, len(columns)).T
+    for row, limits in zip(rows, (workspace.offsets - rest)[:, None] - room, strict=True):
+        steps = np.flatnonzero(_most(row, ranges) > limits + 1e-9)
         used = np.flatnonzero(row)
         if len(steps):
             block = columns[np.ix_(steps, used)]
-            ctx.builder.add_dense_rows(f"workspace_{name}", block, row[used], -np.inf, limit)
+            ctx.builder.add_dense_rows(
+                f"workspace_{name}", block, row[used], -np.inf, limits[steps]
+            )
+
+
+def _off(agent: Agent, steps: int) -> Floats:
+    """How far states and inputs (T, n + m) of a disturbed agent may be off as steps start."""
+    found = spreads(agent, steps)
+    if found is None or agent.tube is None:
+        return np.zeros((steps, sum(agent.dynamics.B.shape)))
+    return np.hstack([found[0][:-1], found[1] + agent.tube.bound])
 
 
 def _most(row: Floats, ranges: Ranges) -> Floats:

@@ -125,7 +125,7 @@ def _judge(mission: Mission, past: Past) -> Evaluator:
     subject = make_subject(so_far, plan, ChannelTables(so_far))
     links = TrueModel(subject, CellModel(subject))
     trace = Trace(past.step + 1, subject.signals, links.robustness)
-    return Evaluator(trace, swept_override(so_far, plan.runs) if past.step else _unknown)
+    return Evaluator(trace, swept_override(so_far, plan.runs, past.step) if past.step else _unknown)
 
 
 def _unknown(node: Node) -> Floats | None:

@@ -106,7 +106,7 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
     requirements, wishes = demands.carried_on(statements, requirements, wishes, steps, shaper)
     check_known(steps, scope, report)
     swept = holds_between(space, formulas, scope)
-    check_tubes((f.formula for f in formulas), None if space is None else space.span, swept, scope)
+    check_tubes((f.formula for f in formulas), scope)
     wishes = demands.finished(wishes, terms, requirements, steps, scope)
     mission = Mission(
         source=file.source, step=scope.step, horizon=steps, workspace=scope.workspace,

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from stlc.dynamics import Dynamics
-from stlc.ir.nodes import Linear, Link, Node, Quantity, walk
+from stlc.ir.nodes import Link, Node, Quantity, Swept, walk
 from stlc.mission import Agent, Array, Bound
 from stlc.sema import props
 from stlc.sema.members import unit_of
@@ -71,23 +71,19 @@ def feedback(base: Dynamics) -> Array:
     return np.asarray(-gain, dtype=np.float64)
 
 
-def check_tubes(
-    formulas: Iterable[Node], workspace: Span | None, swept: bool, scope: Scope
-) -> None:
-    """Report what is asked of disturbed agents that no tube tells: some links, and the motion
-    between the steps; and of robots: the cost of a link that is given as a table over cells."""
+def check_tubes(formulas: Iterable[Node], scope: Scope) -> None:
+    """Report what is asked of disturbed agents that no tube tells: some links, and their motion
+    past what has heights; and of robots: the cost of a link that is given as a table over cells."""
     _check_tables(formulas := tuple(formulas), scope)
     disturbed = {name for name, agent in scope.agents.items() if agent.tube is not None}
     if not disturbed:
         return
-    if swept:
-        _refuse(workspace, "the workspace between the steps", scope)
     for formula in formulas:
         for node in walk(formula):
             if isinstance(node, Link) and {node.sender, node.receiver} & disturbed:
                 _check_link(node, scope)
-            elif node.swept is not None and _movers(node) & disturbed:
-                _refuse(node.span, "its motion between the steps", scope)
+            elif node.swept is not None and _by_heights(node.swept, scope) & disturbed:
+                _refuse(node.span, "its motion in space between the steps", scope)
 
 
 def _check_link(link: Link, scope: Scope) -> None:
@@ -129,8 +125,13 @@ def _check_tables(formulas: Iterable[Node], scope: Scope) -> None:
             scope.report.add(NotHere(span=node.span, problem=problem, hint=hint))
 
 
-def _movers(node: Node) -> set[str]:
-    return {s.owner for part in walk(node) if isinstance(part, Linear) for s, _ in part.terms}
+def _by_heights(swept: Swept, scope: Scope) -> set[str]:
+    """Who flies past a place between heights."""
+    agent = scope.agents.get(swept.agent)
+    if swept.place is None or agent is None or agent.dynamics.altitude is None:
+        return set()
+    place = scope.obstacles.get(swept.place) or scope.regions.get(swept.place)
+    return set() if place is None or place.heights is None else {agent.name}
 
 
 def _refuse(span: Span | None, what: str, scope: Scope) -> None:

@@ -75,11 +75,11 @@ def _run(agent: Agent, run: Run, draws: int, rng: np.random.Generator) -> tuple[
             law = model.law(t)
             off[t + 1] = law.A @ off[t] + law.B @ push
         return states + off, inputs + noise
-    commanded = np.empty(noise.shape)
+    acting = np.empty(noise.shape)
     drawn = rng.uniform(-1.0, 1.0, noise.shape)
     for t, push in enumerate(noise + agent.tube.bound[:, None] * np.where(
         rng.random(noise.shape) < _HARD, np.sign(drawn), drawn
     )):  # fmt: skip
-        commanded[t] = agent.tube.gain @ off[t]
-        off[t + 1] = model.A @ off[t] + model.B @ (commanded[t] + push)
-    return states + off, inputs + commanded
+        acting[t] = agent.tube.gain @ off[t] + push
+        off[t + 1] = model.A @ off[t] + model.B @ acting[t]
+    return states + off, inputs + acting

@@ -60,7 +60,8 @@ def simulate(
     formulas = [r.formula for r in mission.requirements] + [p.formula for p in wishes]
     packets = draw_packets(mission, runs, formulas, draws, rng, fading)
     trace = Trace(mission.horizon + 1, runs.signals, packets.robustness, many=True)
-    evaluator = Evaluator(trace, _certain_motion(mission, swept_override(mission, plan.runs)))
+    motion = swept_override(mission, plan.runs, plan.executed)
+    evaluator = Evaluator(trace, _certain_motion(mission, motion))
     judged = [(r, evaluator.robustness(r.formula)[:1]) for r in mission.requirements]
     judged += [(_INSIDE, value) for value in _in_workspace(mission, runs)]
     holds = [_holds(value, r.margin) for r, value in judged]

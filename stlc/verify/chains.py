@@ -32,7 +32,8 @@ class Chain:
 
     `rough` (T+1, CHORDS + 1, 2) is the same at fewer times, and within `stray` (T+1,) [m]. The
     truth may be off by `room` (T+1,) [m], zero where the tolerance has room for it.
-    `heights` are those at the times of each row (K,) [m].
+    `heights` are those at the times of each row (K,) [m]. `tube` is the motion in the plane with
+    what disturbances may add, None without any; `stray` has that in it too.
     """
 
     rows: tuple[tuple[Array, Array], ...]
@@ -40,6 +41,7 @@ class Chain:
     stray: Array
     room: Array
     heights: tuple[Array, ...] = ()
+    tube: Path | None = None
     _known: dict[int, tuple[Track, Array]] = field(default_factory=dict)
 
     @classmethod
@@ -58,7 +60,9 @@ class Chain:
         heights = tuple(places[:, 2] if width == 3 else np.zeros(len(places)) for _, places in rows)
         room = path.room.reshape(-1, path.pieces).max(axis=1)
         room = np.where(room <= FINE, 0.0, room)
-        return cls(flat, rough[:, :, :2], 2.0 * bends + STRAY + room, room, heights)
+        off = path.plane.reach.max(axis=0).reshape(-1, path.pieces).max(axis=1)
+        tube = path.plane if path.sways else None
+        return cls(flat, rough[:, :, :2], 2.0 * bends + STRAY + room + off, room, heights, tube)
 
     @property
     def places(self) -> Array:

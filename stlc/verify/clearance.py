@@ -17,6 +17,7 @@ from stlc.verify.barriers import Out, kept_out
 from stlc.verify.chains import CHORDS, Chain
 from stlc.verify.continuous import Extremum
 from stlc.verify.prisms import EVERY, Row, beyond, nearest, within
+from stlc.verify.regions import beside_turning, kept_clear, kept_within
 from stlc.verify.shapes import Body, Form, Levels, Stay
 from stlc.verify.unions import DISC, TOUCH, closed_union
 
@@ -57,6 +58,8 @@ def _of_step(
     stay = body.stay(t)
     if stay is None:
         return _sampled(chain, body, t)
+    if chain.tube is not None:
+        return kept_clear(chain.tube, t, stay, kept_out(stay, space))
     if apart:
         return _away(*_nearest(chain, t, stay), stay.form.solid, body.grow)
     return of_step(chain.rows[t], stay, kept_out(stay, space))
@@ -149,6 +152,9 @@ def inside(chain: Chain, body: Body) -> Extremum:
         stay = body.stay(t)
         if stay is None:
             rows.append(_sampled(chain, body, t, -1.0))
+            continue
+        if chain.tube is not None:
+            rows.append(kept_within(chain.tube, t, stay, *_stayed_in(stay.form)))
             continue
         relative = places - stay.start - times[:, None] * stay.move
         rows.append(_held(times, relative, *_stayed_in(stay.form)))
@@ -278,6 +284,8 @@ def _when(times: Array, places: Array, place: Array) -> float:
 
 def _sampled(chain: Chain, body: Body, t: int, sign: float = 1.0) -> tuple[float, float]:
     """The least of `sign` times the distance at many instants of a step, and when."""
+    if chain.tube is not None:
+        return beside_turning(chain.tube, t, body, sign)
     times, places = chain.rows[t]
     instants = np.linspace(0.0, 1.0, INSTANTS)
     at = np.column_stack([np.interp(instants, times, places[:, k]) for k in (0, 1)])

@@ -16,6 +16,7 @@ from stlc.ir.nodes import And, Const, Linear, Node, Or, Role, Timed
 from stlc.plan import Run
 from stlc.verify.continuous import Combine, extremum
 from stlc.verify.paths import Array, Path
+from stlc.verify.sway import Quadratic
 
 Forms = tuple[Array, Array, Array, Array]
 """c0, c1, c2 (rows, leaves) of all leaves, and what a path may put them off by (rows, leaves)."""
@@ -76,7 +77,27 @@ class Motions:
                     into[:, k] += weight * part[on, signal.index]
                 if path.error is not None:
                     out[3][:, k] += abs(weight) * path.error[on, signal.index]
+            for into, off in zip(out, self._swayed(leaf, steps), strict=False):
+                into[:, k] -= off
         return out[0], out[1], out[2], out[3]
+
+    def _swayed(self, leaf: Linear, steps: slice) -> Quadratic:
+        """What disturbances may take off a predicate, as quadratics of time."""
+        rows: dict[tuple[str, int], Array] = {}
+        for signal, weight in leaf.terms:
+            path = self.paths[signal.owner]
+            if path.sways:
+                states, inputs = self.runs[signal.owner].states, self.runs[signal.owner].inputs
+                width = states.shape[1] + inputs.shape[1]
+                row = rows.setdefault((signal.owner, signal.shift), np.zeros((1, width)))
+                behind = 0 if signal.role is Role.STATE else states.shape[1]
+                row[0, behind + signal.index] += weight
+        off = [np.zeros((steps.stop - steps.start) * self.pieces) for _ in range(3)]
+        for (owner, shift), row in rows.items():
+            on = slice(*(self.pieces * (end + shift) for end in (steps.start, steps.stop)))
+            for into, part in zip(off, self.paths[owner].swayed(row), strict=True):
+                into += part[on, 0]
+        return off[0], off[1], off[2]
 
     def _off(self, leaf: Linear) -> float:
         """What a predicate may be less for agents that are anywhere in their discs."""

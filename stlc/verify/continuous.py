@@ -36,7 +36,8 @@ def inside(path: Path, piece: Polytope) -> Extremum:
     """min over time of the least distance to a face's line, negative beyond it."""
     faces = piece.normals.T
     slacks = (piece.offsets - path.c0 @ faces, -(path.c1 @ faces), -(path.c2 @ faces))
-    return by_step(path, extremum(*slacks, lambda q: q.min(axis=-1)))
+    q0, q1, q2 = (q - off for q, off in zip(slacks, path.swayed(piece.normals), strict=True))
+    return by_step(path, extremum(q0, q1, q2, lambda q: q.min(axis=-1)))
 
 
 def separation(relative: Path, distances: tuple[float, ...]) -> Extremum:
@@ -45,6 +46,7 @@ def separation(relative: Path, distances: tuple[float, ...]) -> Extremum:
     signs[1::2] *= -1.0
     far = np.repeat(np.asarray(distances, dtype=np.float64), 2)
     parts = [c @ signs.T for c in (relative.c0, relative.c1, relative.c2)]
+    parts = [q - off for q, off in zip(parts, relative.swayed(signs), strict=True)]
     found = extremum(parts[0] - far, parts[1], parts[2], lambda q: q.max(axis=-1))
     return by_step(relative, found)
 
@@ -53,7 +55,8 @@ def distance(relative: Path) -> Extremum:
     """Least Euclidean distance of each step: 33 samples of each piece, the best one refined by
     Newton's method.
 
-    The square is a quartic; the value is that of a point of the path, so never too small for it.
+    The square is a quartic; the value is that of a point of the path, so never too small for it,
+    less what disturbances may make of it.
     """
     a, b, c = relative.c2, relative.c1, relative.c0
     samples = np.tile(np.linspace(0.0, 1.0, 33), (len(relative.c0), 1))
@@ -64,7 +67,9 @@ def distance(relative: Path) -> Extremum:
         convex = np.where(bend > 1e-12, bend, np.inf)
         s = np.clip(s - slope / convex, 0.0, 1.0)
     refined = np.column_stack([samples, s])
-    return by_step(relative, _least(_length(relative, refined), refined))
+    reach = relative.reach.max(axis=0)
+    found = _least(_length(relative, refined), refined)
+    return by_step(relative, Extremum(found.value - reach, found.where))
 
 
 def by_step(path: Path, found: Extremum) -> Extremum:

@@ -53,7 +53,7 @@ def verify(mission: Mission, plan: Plan, tables: ChannelTables | None = None) ->
     off, discs = spread_of(mission, plan.executed), radii(mission)
     sampled = Trace(mission.horizon + 1, subject.signals, on_cells, spread=off, discs=discs)
     true_links = replace(sampled, link=true.robustness)
-    states = state_paths(mission, plan.runs)
+    states = state_paths(mission, plan.runs, plan.executed)
     motion = placed(mission, states)
     chains = {name: Chain.of(path) for name, path in motion.items()}
     bodies = Bodies(mission)

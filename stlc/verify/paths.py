@@ -5,6 +5,7 @@ x(s) = exp(M s) (x, u, 1). A step is cut into equal pieces, and on each the moti
 through its ends and its middle. The parabola's error is at most sqrt(3)/216 h^3 max |x'''|, and
 |x'''(s + r)| <= |M^3 z| + |M^3| (exp(|M| h) - 1) |z| on a piece of length h that starts at
 z = (x(s), u, 1). Integrators move on parabolas, so one piece of theirs is exact.
+A disturbed agent's path is its plan's, and `sways` says how far off it may be (`sway.py`).
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from stlc.dynamics import Dynamics, Flow
 from stlc.matrices import exponential
 from stlc.mission import Agent, Mission
 from stlc.plan import Run
+from stlc.verify.sway import Parts, Quadratic, Sway, quadratic
 from stlc.verify.tubes import radius
 
 Array = NDArray[np.float64]
@@ -34,7 +36,7 @@ class Path:
 
     Each (T+1) * pieces rows of `width` values: places (2 or 3) [m], or all states of an agent. The
     truth lies within `error` (rows,) of it in space, or (rows, n) in each state. The pieces of
-    the last step stay where the run ends.
+    the last step stay where the run ends. `sways` are what disturbances may add to that.
     """
 
     c0: Array
@@ -42,6 +44,7 @@ class Path:
     c2: Array
     pieces: int = 1
     error: Array | None = None
+    sways: tuple[Sway, ...] = ()
 
     def __len__(self) -> int:
         return len(self.c0) // self.pieces
@@ -61,7 +64,22 @@ class Path:
     def minus(self, other: Path) -> Path:
         """The relative motion of two paths in as many pieces."""
         ends = self.c0 - other.c0, self.c1 - other.c1, self.c2 - other.c2
-        return Path(*ends, self.pieces, self.room + other.room)
+        return Path(*ends, self.pieces, self.room + other.room, self.sways + other.sways)
+
+    def swayed(self, rows: Array) -> Quadratic:
+        """Coefficients (steps * pieces, F) of 1, s and s^2 of the most by which rows (F, width) @
+        places may be off."""
+        none = np.zeros((3, len(self.c0), len(rows)))
+        return quadratic(sum((sway.support(rows) for sway in self.sways), none))
+
+    @property
+    def reach(self) -> Array:
+        """(3, steps * pieces): how far in space the truth may be off by disturbances, at Bezier
+        points."""
+        none = np.zeros((3, len(self.c0)))
+        width = self.c0.shape[1]
+        found = [np.linalg.norm(sway.support(np.eye(width)), axis=2) for sway in self.sways]
+        return sum(found, none)
 
     @property
     def plane(self) -> Path:
@@ -69,12 +87,14 @@ class Path:
         if self.c0.shape[1] == 2:
             return self
         c0, c1, c2 = (c[:, :2] for c in (self.c0, self.c1, self.c2))
-        return Path(c0, c1, c2, self.pieces, self.error)
+        flat = tuple(sway.mapped(np.eye(2)) for sway in self.sways)
+        return Path(c0, c1, c2, self.pieces, self.error, flat)
 
     def mapped(self, rows: Array) -> Path:
         """The motion of rows @ state, for rows of length at most 1 in space."""
         error = None if self.error is None else _mapped_error(self.error, rows)
-        return Path(self.c0 @ rows.T, self.c1 @ rows.T, self.c2 @ rows.T, self.pieces, error)
+        parts = self.c0 @ rows.T, self.c1 @ rows.T, self.c2 @ rows.T
+        return Path(*parts, self.pieces, error, tuple(sway.mapped(rows) for sway in self.sways))
 
 
 def _mapped_error(error: Array, rows: Array) -> Array:
@@ -88,12 +108,16 @@ def is_known(model: Dynamics) -> bool:
     return model.flow is not None or model.straight
 
 
-def state_paths(mission: Mission, runs: Mapping[str, Run]) -> dict[str, Path]:
-    """Motion of every agent's states, all in as many pieces a step."""
-    agents = mission.agents
-    each = [least_pieces(agents[name], run, mission.step) for name, run in runs.items()]
+def state_paths(mission: Mission, runs: Mapping[str, Run], past: int = 0) -> dict[str, Path]:
+    """Motion of every agent's states, all in as many pieces a step; up to step `past` agents are
+    where the run says."""
+    agents, step = mission.agents, mission.step
+    each = [least_pieces(agents[name], run, step, past) for name, run in runs.items()]
     pieces = max(each, default=1)
-    return {name: state_path(agents[name], run, mission.step, pieces) for name, run in runs.items()}
+    return {
+        name: _pushed(state_path(agents[name], run, step, pieces), agents[name], run, step, past)
+        for name, run in runs.items()
+    }
 
 
 def paths(mission: Mission, runs: Mapping[str, Run]) -> dict[str, Path]:
@@ -131,14 +155,57 @@ def path_of(agent: Agent, run: Run, step: float) -> Path:
     return state_path(agent, run, step, pieces).mapped(agent.dynamics.position)
 
 
-def least_pieces(agent: Agent, run: Run, step: float) -> int:
+def least_pieces(agent: Agent, run: Run, step: float, past: int = 0) -> int:
     """The least power of two of pieces at which the error is fine for what positions ask."""
     flow, pieces = agent.dynamics.flow, 1
     if flow is None or not len(run.inputs):
         return 1
-    while pieces < MOST_PIECES and _errors(flow, run, step, pieces).max(initial=0.0) > FINE:
+    pushes = _pushes(agent, len(run.inputs) - past)
+    while pieces < MOST_PIECES:
+        errors = _errors(flow, run, step, pieces).max(initial=0.0)
+        if pushes is not None:
+            errors += _errors(_undrifted(flow), pushes[1], step, pieces).sum(axis=0).max()
+        if not errors > FINE:
+            break
         pieces *= 2
     return pieces
+
+
+def _undrifted(flow: Flow) -> Flow:
+    return replace(flow, drift=np.zeros_like(flow.drift))
+
+
+def _pushes(agent: Agent, ages: int) -> tuple[Parts, Run] | None:
+    """What pushes do to a disturbed agent, and that as a run, a step for each; None for others."""
+    if agent.tube is None or ages <= 0:
+        return None
+    parts, model = Parts.of(agent, ages), agent.dynamics
+    first, last, inputs = parts.moves()
+    states = np.vstack([first, last[-1:]])
+    names = model.states, model.inputs, model.state_units, model.input_units
+    return parts, Run(states, inputs, *names)
+
+
+def _pushed(path: Path, agent: Agent, run: Run, step: float, past: int) -> Path:
+    """The path of an agent's states with how far its disturbance may put it off."""
+    found, flow, count = (
+        _pushes(agent, len(run.inputs) - past),
+        agent.dynamics.flow,
+        2 * path.pieces,
+    )
+    if found is None:
+        return path
+    parts, pushes = found
+    if flow is None:
+        first, last, _ = parts.moves()
+        share = np.linspace(0.0, 1.0, count + 1)[:, None]
+        ends = first[:, None] + share * (last - first)[:, None]
+        return replace(path, sways=(Sway.of(agent.dynamics, parts, ends, past),))
+    ends = _samples(_undrifted(flow), pushes, step, count)
+    missed = _errors(_undrifted(flow), pushes, step, path.pieces).sum(axis=0).max(axis=0)
+    error = (np.zeros_like(path.c0) if path.error is None else path.error) + missed
+    sways = (Sway.of(agent.dynamics, parts, ends, past),)
+    return replace(path, error=error if missed.any() else path.error, sways=sways)
 
 
 def state_path(agent: Agent, run: Run, step: float, pieces: int) -> Path:

@@ -163,9 +163,9 @@ class SweptOverride:
         return self._bodies.of(swept.place)
 
 
-def swept_override(mission: Mission, runs: Mapping[str, Run]) -> SweptOverride:
-    """That of the agents' runs."""
-    states = state_paths(mission, runs)
+def swept_override(mission: Mission, runs: Mapping[str, Run], past: int = 0) -> SweptOverride:
+    """That of the agents' runs, which were carried out up to step `past`."""
+    states = state_paths(mission, runs, past)
     motion = placed(mission, states)
     chains = {name: Chain.of(path) for name, path in motion.items()}
     motions = Motions(states, runs, radii(mission))

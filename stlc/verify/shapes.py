@@ -148,10 +148,22 @@ class Body:
         """From a place to the grown polygons at a fractional step [m]; negative inside."""
         import shapely
 
-        point, union = shapely.Point(place), shapely.union_all(_polygons(self.outlines(time)))
-        away = float(union.distance(point))
-        inside = -float(union.boundary.distance(point)) if union.contains(point) else away
-        return inside - self.grow
+        return self.gap(time, shapely.Point(place))
+
+    def gap(self, time: float, shape: Any, sign: float = 1.0) -> float:
+        """That of a shape: its nearest point, or with `sign` -1 its farthest, if all is inside
+        minus the distance to the border."""
+        import shapely
+
+        union = shapely.union_all(_polygons(self.outlines(time)))
+        corners = shapely.points(shapely.get_coordinates(shape))
+        within = shapely.contains(union, corners)
+        deep, away = shapely.distance(union.boundary, corners), shapely.distance(union, corners)
+        values = np.where(within, -deep, away)
+        if sign < 0.0:
+            return float(values.max()) - self.grow
+        near = 0.0 if union.intersects(shape) else float(union.distance(shape))
+        return min(near, float(values.min())) - self.grow
 
 
 @dataclass(frozen=True, slots=True, eq=False)

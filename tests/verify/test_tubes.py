@@ -136,7 +136,6 @@ channel c { path_loss L0 = -30 dBm, n = 2; partition 5 x 5 }
         ("disturbance (1, 2, 3)", ASKED, ""),
         ("disturbance 0.1; integer", ASKED, "can't be `integer`"),
         ("disturbance 0.1; turn_rate on", ASKED, "can't be `turn_rate`"),
-        ("disturbance 0.1", "require c: always a outside pillar swept", "between the steps"),
         (
             "disturbance 0.1",
             RADIO.replace("5 x 5", "5 x 5; bound centre") + "require l: eventually " + HEARD,
