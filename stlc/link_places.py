@@ -58,16 +58,17 @@ def _pushed(agent: Agent) -> float:
     model, tube = agent.dynamics, agent.tube
     if tube is None or model.position is None:
         return 0.0
-    return float((np.abs(model.position) @ tube.widest(model.A, model.B)).max())
+    return float((np.abs(model.axes) @ tube.widest(model.A, model.B)).max())
 
 
 def _wider(cells: Partition, by: float) -> Partition:
-    """Cells that reach further by so much [m], in the plane."""
+    """Cells that reach further by so much [m], along each axis; layers of height mean nothing to
+    ends that stay at theirs."""
     if not by:
         return cells
     boxes = cells.boxes.copy()
-    boxes[:, [0, 2]] -= by
-    boxes[:, [1, 3]] += by
+    boxes[:, 0::2] -= by
+    boxes[:, 1::2] += by
     return Partition(boxes)
 
 

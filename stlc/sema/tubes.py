@@ -97,8 +97,6 @@ def _check_link(link: Link, scope: Scope) -> None:
         _refuse(link.span, "a link that is given as a table", scope)
     elif channel.predicate_bound is not Bound.WORST:
         _refuse(link.span, f"a link with `bound {channel.predicate_bound.value}`", scope)
-    elif any(a.dynamics.altitude is not None for a in pushed):
-        _refuse(link.span, "links in space", scope)
     elif not all(_stays(a) for a in pushed):
         _refuse(link.span, "links: nothing keeps it near its plan", scope)
 

@@ -131,8 +131,8 @@ class TrueModel:
 
 
 def _corners(subject: Subject, name: str) -> Iterator[Array]:
-    """How far (T+1, 3) [m] a disturbed agent may be off its plan: towards each corner and middle
-    of an edge of its box, and not at all."""
+    """How far (T+1, 3) [m] a disturbed agent may be off its plan: towards each corner of its box
+    and, in the plane, each middle of an edge, and not at all."""
     mission, past = subject.mission, subject.plan.executed
     agent = mission.agents.get(name)
     widths = None if agent is None else half_widths(agent, mission.horizon - past)
@@ -140,9 +140,12 @@ def _corners(subject: Subject, name: str) -> Iterator[Array]:
         yield np.zeros((mission.horizon + 1, 3))
         return
     box = np.zeros((mission.horizon + 1, 3))
-    box[past:, :2] = widths[0] @ np.abs(agent.dynamics.position[:2]).T
-    for signs in product((-1.0, 0.0, 1.0), repeat=2):
-        yield box * np.array([*signs, 0.0])
+    rows = np.abs(agent.dynamics.axes)
+    box[past:, : len(rows)] = widths[0] @ rows.T
+    flies = len(rows) == 3
+    signs = list(product((-1.0, 1.0) if flies else (-1.0, 0.0, 1.0), repeat=len(rows)))
+    for towards in [*signs, (0.0, 0.0, 0.0)] if flies else signs:
+        yield box * np.array([*towards, 0.0][:3])
 
 
 def _bare(channel: Channel) -> Channel:

@@ -145,9 +145,7 @@ def kept_within(path: Path, t: int, stay: Stay, room: Any, whole: Any) -> Found:
     return value, stretch.nearest(lambda place: float(shapely.distance(whole.boundary, place)))
 
 
-def _least(
-    path: Path, t: int, stay: Stay, judged: Callable[[Any], float]
-) -> tuple[float, Stretch]:
+def _least(path: Path, t: int, stay: Stay, judged: Callable[[Any], float]) -> tuple[float, Stretch]:
     """The least value of a step, and the stretch that has it: that of the worst hull, which is
     halved as long as it is below 0 and the hull says more than the motion."""
     order = count()

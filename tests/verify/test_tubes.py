@@ -198,3 +198,49 @@ def test_what_stays_near_its_plan_does_so_for_ever() -> None:
         assert found is not None
         assert (found[0][-1] <= whole + 1e-12).all()
     assert found[0][-1] == pytest.approx(whole, rel=1e-3)
+
+
+FLYING = """step 1 s
+workspace box [0, 10] x [0, 10]
+dynamics drone = double_integrator { dimensions 3; pz in [0, 12]; control |u| <= 2 }
+agent a : drone { start (1, 1, 6); disturbance (0.03, 0.03, 0.2) }
+agent b : single_integrator { start (9, 5); control |u| <= 1; disturbance 0.03; antenna 1 m }
+channel c { path_loss L0 = -30 dBm, n = 2; partition 3 x 3 x 3 }
+require near: always[2, 4] rssi(a, b) >= -49 dBm
+require far: eventually[2, 4] rssi(a, b) <= -42 dBm
+minimize effort
+"""
+
+
+def test_links_in_space_hold_wherever_disturbances_carry_their_ends() -> None:
+    """The pushes are mostly up and down, which a box in the plane would not know."""
+    mission = api.loads(FLYING)
+    outcome = api.solve(mission)
+    told = {r.name: r.robustness for r in outcome.report.requirements}
+    assert outcome.report.ok
+    rng, (a, b) = np.random.default_rng(2), (mission.agents["a"], mission.agents["b"])
+    links = {
+        r.name: next(n for n in walk(r.formula) if isinstance(n, Link))
+        for r in mission.requirements
+    }
+    for _ in range(60):
+        hard = a.tube.bound * rng.choice([-1.0, 1.0], (mission.horizon, 3))
+        x, _ = _pushed(a, outcome.plan, hard)
+        y, _ = _pushed(b, outcome.plan, 0.03 * rng.choice([-1.0, 1.0], (mission.horizon, 2)))
+        ends = x[:, :3], np.column_stack([y, np.zeros(len(y))])
+        values = true_values(mission, mission.channels["c"], ("a", "b"), *ends)
+        near, far = (true_robustness(mission.channels["c"], links[n], values) for n in links)
+        assert near[2:5].min() >= told["near"] - 1e-6
+        assert far[2:5].max() >= told["far"] - 1e-6
+
+
+def test_the_verdict_on_a_flying_link_knows_the_heights_of_its_tube() -> None:
+    calm = FLYING.replace("; disturbance (0.03, 0.03, 0.2)", "").replace("; disturbance 0.03", "")
+    plan = api.solve(api.loads(calm)).plan
+    upright = calm.replace("start (1, 1, 6)", "start (1, 1, 6); disturbance (0, 0, 0.2)")
+    still, pushed = (
+        {r.name: r.true for r in verify(api.loads(text), plan).requirements}
+        for text in (calm, upright)
+    )
+    assert pushed["near"] < still["near"] - 0.05
+    assert pushed["far"] < still["far"] - 0.05
