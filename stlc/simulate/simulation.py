@@ -19,7 +19,7 @@ from stlc.preferences import Measure, Preference
 from stlc.simulate.estimate import Estimate, Simulation, interval
 from stlc.simulate.radio import draw_packets
 from stlc.simulate.runs import Runs, draw_runs, is_noisy
-from stlc.verify.requirements import SweptOverride, swept_override
+from stlc.verify.requirements import swept_override
 from stlc.verify.robots import drives
 from stlc.verify.robustness import TOLERANCE, Evaluator, unit
 from stlc.verify.subject import check_shape
@@ -60,8 +60,7 @@ def simulate(
     formulas = [r.formula for r in mission.requirements] + [p.formula for p in wishes]
     packets = draw_packets(mission, runs, formulas, draws, rng, fading)
     trace = Trace(mission.horizon + 1, runs.signals, packets.robustness, many=True)
-    motion = swept_override(mission, plan.runs, plan.executed)
-    evaluator = Evaluator(trace, _certain_motion(mission, motion))
+    evaluator = Evaluator(trace, _certain_motion(mission, plan))
     judged = [(r, evaluator.robustness(r.formula)[:1]) for r in mission.requirements]
     judged += [(_INSIDE, value) for value in _in_workspace(mission, runs)]
     holds = [_holds(value, r.margin) for r, value in judged]
@@ -127,12 +126,13 @@ def _counted(
     return Estimate(name, margin, count, draws, low, high, certain, robustness, measured)
 
 
-def _certain_motion(mission: Mission, motion: SweptOverride) -> Callable[[Node], Array | None]:
+def _certain_motion(mission: Mission, plan: Plan) -> Callable[[Node], Array | None]:
     """Judges `swept` conditions in continuous time where all who take part move as planned.
 
     Others are judged by what is sufficient for them at the steps, so that probabilities are too
     low rather than too high.
     """
+    motion = swept_override(mission, plan.runs, plan.executed)
     shaken = {name for name, agent in mission.agents.items() if is_noisy(agent)}
 
     def override(node: Node) -> Array | None:

@@ -219,10 +219,7 @@ def test_links_in_space_hold_wherever_disturbances_carry_their_ends() -> None:
     told = {r.name: r.robustness for r in outcome.report.requirements}
     assert outcome.report.ok
     rng, (a, b) = np.random.default_rng(2), (mission.agents["a"], mission.agents["b"])
-    links = {
-        r.name: next(n for n in walk(r.formula) if isinstance(n, Link))
-        for r in mission.requirements
-    }
+    links = {r.name: n for r in mission.requirements for n in walk(r.formula) if type(n) is Link}
     for _ in range(60):
         hard = a.tube.bound * rng.choice([-1.0, 1.0], (mission.horizon, 3))
         x, _ = _pushed(a, outcome.plan, hard)
