@@ -122,20 +122,22 @@ def replan(
     states: Mapping[str, Array],
     *,
     history: Mapping[str, tuple[Array, Array]] | None = None,
+    headings: Mapping[str, float] | None = None,
     samples: Mapping[str, Samples] | None = None,
     refit: bool = False,
     settings: SolveSettings | None = None,
 ) -> Renewed:
     """Plan what is left after a plan was followed up to `step`, from the `states` (n,) there.
 
-    `history` are states (step, n) and inputs (step, m) where they were others than planned;
+    `history` are states (step, n) and inputs (step, m) where they were others than planned,
+    `headings` [rad] those of robots that were measured at `step`;
     `samples` were measured on the way, by channel; with `refit` their parameters are fitted anew
     where enough came. See `stlc.renew.replanning.replan`.
     """
     from stlc.renew.past import along
     from stlc.renew.replanning import replan as renew
 
-    past = along(mission, plan, step, states, history)
+    past = along(mission, plan, step, states, history, headings)
     return renew(mission, past, settings, old=plan, heard=samples, refit=refit)
 
 

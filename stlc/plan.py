@@ -30,7 +30,10 @@ FORMAT_VERSION = 1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Run:
-    """One agent's states (T+1, n) and inputs (T, m), with the names and units of the columns."""
+    """One agent's states (T+1, n) and inputs (T, m), with the names and units of the columns.
+
+    `headings` [rad] of a robot are those that were measured on the way, by step.
+    """
 
     states: Array
     inputs: Array
@@ -38,6 +41,7 @@ class Run:
     input_names: tuple[str, ...]
     state_units: tuple[str, ...]
     input_units: tuple[str, ...]
+    headings: Mapping[int, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

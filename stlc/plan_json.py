@@ -57,6 +57,7 @@ def _run(run: Run) -> dict[str, Any]:
         "input_units": list(run.input_units),
         "states": run.states.tolist(),
         "inputs": run.inputs.tolist(),
+        **({"headings": {str(t): a for t, a in run.headings.items()}} if run.headings else {}),
     }
 
 

@@ -139,7 +139,18 @@ def _read_run(place: Place, horizon: int) -> Run:
         states,
         inputs,
         *units,
+        _headings(place["headings"], horizon) if place.has("headings") else {},
     )
+
+
+def _headings(place: Place, horizon: int) -> dict[int, float]:
+    """Headings [rad] of a robot that were measured, by step."""
+    found = {}
+    for key, angle in place.fields().items():
+        if not key.isdecimal() or int(key) > horizon:
+            raise place.fail(f"steps from 0 to {horizon}, not {key!r}")
+        found[int(key)] = angle.number()
+    return found
 
 
 def _read_solve(place: Place) -> SolveInfo:

@@ -4,13 +4,17 @@
      "history": {"r1": {"states": [[1, 1, 0, 0], ..], "inputs": [[1, 0], ..]}}}
 
 An agent's state is a list, or an object of those states that differ from the plan; `history`, what
-was measured and applied at the steps before, may be left out.
+was measured and applied at the steps before, may be left out. Of a robot
+`{"x": 1.2, "y": 3.4, "heading": 0.7}` is where its axle's centre is [m] and where it looks [rad];
+its states `px` and `py` are those of the point that the plan is of, and a heading may stand beside
+them.
 """
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from math import cos, sin
 from pathlib import Path
 from typing import Any
 
@@ -41,11 +45,33 @@ def read_past(path: Path, mission: Mission, plan: Plan, step: int) -> Past:
         raise UsageError(f"{path} was measured at step {top['step']}, not at {step}")
     states = _mapping(top.get("states"), f"{path}: states")
     history = _mapping(top.get("history", {}), f"{path}: history")
+    posed = {n: _pose(v, n, f"{path}: states.{n}", mission) for n, v in states.items()}
     return along(
         mission, plan, step,
-        {n: _state(v, n, f"{path}: states.{n}", mission, plan, step) for n, v in states.items()},
+        {n: _state(v, n, f"{path}: states.{n}", mission, plan, step)
+         for n, (v, _) in posed.items()},
         {n: _both(v, f"{path}: history.{n}") for n, v in history.items()},
+        {n: heading for n, (_, heading) in posed.items() if heading is not None},
     )  # fmt: skip
+
+
+def _pose(value: Any, name: str, where: str, mission: Mission) -> tuple[Any, float | None]:
+    """A measured state without the heading of a robot, its axle's centre as the plan's point."""
+    agent = mission.agents.get(name)
+    robot = None if agent is None else agent.robot
+    if robot is None or not isinstance(value, dict) or not {"x", "y", "heading"} & value.keys():
+        return value, None
+    rest = {k: v for k, v in value.items() if k not in ("x", "y", "heading")}
+    if "heading" not in value:
+        raise UsageError(f"{where}: where the axle's centre is tells nothing without a `heading`")
+    heading = float(_numbers(value["heading"], f"{where}.heading"))
+    if not {"x", "y"} & value.keys():
+        return rest, heading
+    if rest or not {"x", "y"} <= value.keys():
+        raise UsageError(f"{where}: `x`, `y` and `heading`, or states and `heading`, are needed")
+    x, y = (float(_numbers(value[k], f"{where}.{k}")) for k in ("x", "y"))
+    b = robot.lookahead
+    return [x + b * cos(heading), y + b * sin(heading)], heading
 
 
 def _mapping(value: Any, where: str) -> Mapping[str, Any]:

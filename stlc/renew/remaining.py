@@ -84,7 +84,7 @@ def remaining(mission: Mission, past: Past) -> Remaining:
 
 def _started(mission: Mission, past: Past) -> Mission:
     """With agents that begin where they were measured, by the laws from now on, robots with the
-    heading that their controller has given them on the way."""
+    heading that was measured, or that their controller has given them on the way."""
     agents = {
         name: replace(agent, start=past.states[name][-1], dynamics=agent.dynamics.since(past.step))
         for name, agent in mission.agents.items()
@@ -134,7 +134,11 @@ def _unknown(node: Node) -> Floats | None:
 
 
 def _as_plan(mission: Mission, past: Past) -> Plan:
-    return make_plan(mission, past.states, past.inputs)
+    plan = make_plan(mission, past.states, past.inputs)
+    known = past.headings
+    return replace(
+        plan, runs={n: replace(r, headings=known.get(n, {})) for n, r in plan.runs.items()}
+    )
 
 
 def _split(formula: Node, margin: float) -> tuple[Node, float | None]:

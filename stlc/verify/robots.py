@@ -75,7 +75,7 @@ def drive(robot: Robot, run: Run, step: float, past: int = 0) -> Drive:
     """What the robot does along a run (T+1, 2) of its look-ahead point, with steps of `step` [s].
 
     At the first `past` steps, which were carried out, its look-ahead point is where it was
-    measured.
+    measured, and where its heading was measured that is what it was.
     """
     periods = max(round(step / robot.period), 1)
     share = np.arange(periods)[:, None] / periods
@@ -87,6 +87,7 @@ def drive(robot: Robot, run: Run, step: float, past: int = 0) -> Drive:
     goals = aims.tolist()
     for k, (goal_x, goal_y) in enumerate(goals[1:]):
         if k % periods == 0 and k // periods <= past:
+            theta = headings[-1] = run.headings.get(k // periods, theta)
             x, y = goals[k][0] - b * cos(theta), goals[k][1] - b * sin(theta)
             places[-1] = (x, y)
         dx, dy = goal_x - x - b * cos(theta), goal_y - y - b * sin(theta)
@@ -113,8 +114,10 @@ def _along(
 
 
 def heading_at(robot: Robot, run: Run, step: float) -> float:
-    """The heading [rad] at the end of a run that was carried out, its steps as measured."""
-    theta = float(drive(robot, run, step, len(run.inputs)).headings[-1])
+    """The heading [rad] at the end of a run that was carried out, its steps as measured: the one
+    that was measured too, or the one that its controller has made by then."""
+    driven = float(drive(robot, run, step, len(run.inputs)).headings[-1])
+    theta = run.headings.get(len(run.inputs), driven)
     return atan2(sin(theta), cos(theta))
 
 
