@@ -27,7 +27,7 @@ from stlc.sema.plugs import Sweeps, box_of, plugs_of_three, plugs_of_two
 from stlc.sema.report import Mistake
 from stlc.sema.scope import Scope
 from stlc.sema.space_errors import NotInSpace
-from stlc.sema.stacks import meeting
+from stlc.sema.stacks import meeting, stacked
 from stlc.sema.values import Place, Radio
 from stlc.sema.windows import Window, common, merged
 from stlc.source import Span
@@ -172,13 +172,17 @@ class _Joints:
         near = self._near()
         for b in _kept(a, near[a.shape], before):
             yield self._conditions((a, b))
-            if not self._plugs((a, b)):
-                continue  # they never touch
+            if not self._touch(a, b):
+                continue
             thirds = near[a.shape] & near[b.shape]
             later = [c for c in _kept(a, thirds, before) if id(c) > id(b)]
             for c in (*later, *_kept(a, thirds, own)):
-                if self._plugs((a, c)):
+                if self._touch(a, c):
                     yield self._conditions((a, b, c))
+
+    def _touch(self, a: _Kept, b: _Kept) -> bool:
+        """Whether two places touch, at their borders or as one stands on the other."""
+        return stacked(_levels((a.avoided, b.avoided))) or bool(self._plugs((a, b)))
 
     def _near(self) -> Mapping[int, frozenset[int]]:
         """For each shape those whose boxes it touches at any time."""
@@ -248,22 +252,26 @@ def _meeting(
 ) -> tuple[Levels, list[Sweeps]]:
     """Between which heights places leave a way for an agent [m], and what closes it.
 
-    Mistake where one stands on another and nothing closes the seam between them.
+    Mistake where one stands on another and one of them moves.
     """
-    agent = avoided[0].agent
-    each = [kept_from(a.place.heights or EVERY, agent.thing) for a in avoided]
+    agent, each = avoided[0].agent, _levels(avoided)
     if not (isinstance(agent.thing, Agent) and flies(agent)):
         low, high = max(e[0] for e in each), min(e[1] for e in each)
         return (low, high), plugs() if low < high else []
     found = meeting([a.place for a in avoided], each, plugs)
     if found is None:
         names = " and ".join(f"`{a.place.shape.name}`" for a in avoided)
-        height = max(e[0] for e in each)
-        problem = f"{names} touch at the height {height:g} m, and `{agent.name}` keeps out of all"
+        where = f"touch at the height {max(e[0] for e in each):g} m"
+        problem = f"{names} {where}, one of them moves, and `{agent.name}` keeps out of all"
         hint = "let their heights overlap by a millimetre or more, or leave a gap"
         span = avoided[-1].span or avoided[0].span
         raise Mistake(NotInSpace(span=span, problem=problem, hint=hint))
     return found
+
+
+def _levels(avoided: Sequence[_Avoided]) -> list[Levels]:
+    """The heights of each place that its agent keeps out of [m]."""
+    return [kept_from(a.place.heights or EVERY, a.agent.thing) for a in avoided]
 
 
 def _within(node: Node, start: float, end: float) -> Node:
