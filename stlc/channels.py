@@ -20,7 +20,6 @@ from stlc.errors import StlcError
 from stlc.ir.nodes import Link, Quantity, Relation
 from stlc.link_places import height_of, link_ends, receiver, true_links, tube_radius
 from stlc.mission import Bound, Channel, Mission, TermKind
-from stlc.radio.averages import average_bounds
 from stlc.radio.costs import CLAMP, CostName, cost_interval, least_energy, link_cost
 from stlc.radio.gp import ChannelModel
 from stlc.radio.link_budget import LinkBudget
@@ -213,6 +212,8 @@ def _least_cost(
     if cost is CostName.PAPER_INV_RSSI:
         return np.full_like(mean[0], -CLAMP)
     if cost in (CostName.ETX, CostName.NEG_LOG_PRR):
+        from stlc.radio.averages import average_bounds
+
         most = average_bounds(budget.prr, mean, sigma, decreasing=False)[1]
         with np.errstate(divide="ignore"):
             least = 1.0 / most**2 if cost is CostName.ETX else -np.log(most)

@@ -96,6 +96,8 @@ def _joined(grown: list[Polytope]) -> list[Polytope]:
 
 def _near(pieces: Sequence[Polytope]) -> list[tuple[int, int]]:
     """Pairs that may touch, in order."""
+    if len(pieces) < 2:
+        return []
     import shapely
 
     rings = polygons(pieces)

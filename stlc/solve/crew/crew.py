@@ -64,17 +64,24 @@ def crew_of(workers: int, cluster: str | None) -> Iterator[Crew]:
     """Hands on the cluster of that address, or so many processes of this machine, or nobody else.
 
     SolverError when the cluster can't be reached."""
-    from stlc.solve.crew.cluster import Remote
-    from stlc.solve.crew.processes import Processes
-
     if cluster is None and workers < 2:
         yield Crew()
         return
-    hands = Processes(workers) if cluster is None else Remote(cluster)
+    hands = _hands(workers, cluster)
     try:
         yield Crew(hands)
     finally:
         hands.close()
+
+
+def _hands(workers: int, cluster: str | None) -> Hands:
+    if cluster is None:
+        from stlc.solve.crew.processes import Processes
+
+        return Processes(workers)
+    from stlc.solve.crew.cluster import Remote
+
+    return Remote(cluster)
 
 
 def _alone(job: Job[T]) -> T:
