@@ -111,8 +111,9 @@ def may_improve(work: Work) -> bool:
 
 
 def has_parts(work: Work) -> bool:
-    """`parts`: more than two agents whose effort alone is known."""
-    return has_lone_runs(work) and len(work.lone) > 2
+    """`parts`: more than two agents whose effort alone is known, and not nearly all of a plan's."""
+    near = work.x is not None and work.value - work.bound < tuning.PARTS.worth * abs(work.value)
+    return has_lone_runs(work) and len(work.lone) > 2 and not near
 
 
 def may_search_links(work: Work) -> bool:

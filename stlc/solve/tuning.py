@@ -105,6 +105,10 @@ class Part(Record):
     most: float = 300.0  # s
     seconds: float = 15.0  # at most for each
     gap: float = 0.01
+    worth: float = 0.007  # of what the plan costs: where bounds are nearer, the solver proves it
+    # sooner. agents_4 (0.55 %) in 6.9 CPU s instead of 20; agents_5 (0.85 %) is at 0.71 % after 30,
+    # at 0.85 without parts
+    gain: float = 0.25  # of the gap that groups of one size close, for larger ones to be tried
 
 
 class Route(Record):

@@ -111,18 +111,32 @@ class Parts:
         agents = list(self.work.compiled.states)
         whole = any(self.couplings.bound.values())  # loosened, all together are a smaller model
         for size in range(2, len(agents) + whole):
-            groups = list(self._groups(agents, size))
-            many = self.work.crew.size
-            for k in range(0, len(groups), many):
-                if self.deadline.over() or self.work.proven():
-                    return self._with_rows()
-                left = -(-(len(groups) - k) // many)
-                jobs = [self._solved(group, left) for group in groups[k : k + many]]
-                self.found += [p for p in self.work.crew.drive(jobs) if p is not None]
-                least = self.work.compiled.model.offset + bound_of(self.found, agents)
-                self.work = self.work.with_bound(least)
-                self.work.report()
+            before = self.work
+            self._bound_all(agents, size)
+            if self.deadline.over() or self.work.proven():
+                break
+            if not whole and not self._pays_off(before):
+                break
         return self._with_rows()
+
+    def _bound_all(self, agents: Sequence[str], size: int) -> None:
+        """Bound every group of that size, as many at once as there are hands."""
+        groups, many = list(self._groups(agents, size)), self.work.crew.size
+        for k in range(0, len(groups), many):
+            if self.deadline.over() or self.work.proven():
+                return
+            left = -(-(len(groups) - k) // many)
+            jobs = [self._solved(group, left) for group in groups[k : k + many]]
+            self.found += [p for p in self.work.crew.drive(jobs) if p is not None]
+            least = self.work.compiled.model.offset + bound_of(self.found, agents)
+            self.work = self.work.with_bound(least)
+            self.work.report()
+
+    def _pays_off(self, before: Work) -> bool:
+        """Whether the bound has come so much nearer to the plan that larger groups are worth it."""
+        if before.x is None or not np.isfinite(before.bound):
+            return True
+        return self.work.bound - before.bound >= tuning.PARTS.gain * (before.value - before.bound)
 
     def _groups(self, agents: Sequence[str], size: int) -> Iterator[Group]:
         """Groups that hang together, by links or where lone runs meet."""

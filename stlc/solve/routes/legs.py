@@ -23,17 +23,26 @@ _PARALLEL = 1e-12
 _TOUCH = 1e-10
 
 
+_MOST = 1_000  # legs at once, of 1 kB each for all corners: they stay near the processor
+_SIGNS = np.array([1.0, 1.0, -1.0, -1.0])  # of the prices of p_0, w_0, p_k, w_k
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Corners:
     """Corners of legs of `steps` steps: (A, B) = gain (n, 2, 4) prices + shift (n, 2); `met`
-    (n, 4): prices that are met there."""
+    (n, 4): prices that are met there.
+
+    Linear in the prices like them: what p_0, w_0, p_k, w_k count with, `weights` (4 * n, 4 + 1), 0
+    where their price is met, and A + B s at both ends of the polygon, `sides` (2 * n, 4 + 1).
+    """
 
     steps: int
-    blend: float
     price: float
     gain: Floats
     shift: Floats
     met: Bools
+    weights: Floats
+    sides: Floats
 
     @staticmethod
     def of(steps: int, blend: float, price: float) -> Corners:
@@ -55,40 +64,43 @@ class Corners:
             gains.append(inverse @ right)
             shifts.append(inverse @ np.array([line[3] for line in pair]))
             mets.append(met)
-        return Corners(steps, blend, price, np.array(gains), np.array(shifts), np.array(mets))
+        gain, shift, met = np.array(gains), np.array(shifts), np.array(mets)
+        turn = np.array([[0.0, -1.0], [-1.0, -k], [0.0, 1.0], [1.0, 0.0]])  # of A, B
+        ends = np.array([[1.0, blend], [1.0, k - 1 + blend]])
+        weights = _affine(turn, gain, shift)
+        weights[:, :4] += np.repeat(np.diag(_SIGNS), len(gain), axis=0)
+        weights[met.T.ravel()] = 0.0
+        return Corners(steps, price, gain, shift, met, weights, _affine(ends, gain, shift))
 
     def least(self, prices: Floats, low: Floats, high: Floats) -> tuple[Floats, Floats]:
         """Least costs (e,) of legs under prices (e, 4: p_0, w_0, p_k, w_k) between boxes (e, 4),
         and their derivatives by the prices (e, 4)."""
-        best, which = np.full(len(prices), -np.inf), np.zeros(len(prices), np.int64)
-        for n in range(len(self.gain)):
-            at = prices @ self.gain[n].T + self.shift[n]
-            factor = self._factors(prices, at, self.met[n])
-            value = np.minimum(factor * low, factor * high).sum(axis=1)
-            value[~self._allowed(at)] = -np.inf
-            better = value > best
-            best, which = np.where(better, value, best), np.where(better, n, which)
-        return best, self._derivatives(prices, low, high, which)
+        blocks = [slice(k, k + _MOST) for k in range(0, max(len(prices), 1), _MOST)]
+        parts = [self._least(prices[own], low[own], high[own]) for own in blocks]
+        return np.concatenate([v for v, _ in parts]), np.concatenate([d for _, d in parts])
 
-    def _allowed(self, at: Floats) -> Bools:
-        fine = np.ones(len(at), bool)
-        for s in (self.blend, self.steps - 1 + self.blend):
-            fine &= np.abs(at[:, 0] + at[:, 1] * s) <= self.price * (1 + _TOUCH)
-        return fine
+    def _least(self, prices: Floats, low: Floats, high: Floats) -> tuple[Floats, Floats]:
+        """`least` of so many legs that every corner of each is looked at at once."""
+        many = np.concatenate([prices.T, np.ones((1, len(prices)))])
+        factor = (self.weights @ many).reshape(4, -1, len(prices))
+        side = np.abs(self.sides @ many).reshape(2, -1, len(prices))
+        value = sum(np.minimum(f * u, f * v) for f, u, v in zip(factor, low.T, high.T, strict=True))
+        value = np.where((side > self.price * (1 + _TOUCH)).any(axis=0), -np.inf, value)
+        which, rows = value.argmax(axis=0), np.arange(len(prices))
+        best = factor[:, which, rows].T
+        return value[which, rows], self._derivatives(best, low, high, which)
 
-    def _factors(self, prices: Floats, at: Floats, met: Bools) -> Floats:
-        """What p_0, w_0, p_k, w_k count with: 0 where their price is met."""
-        a, b = at.T
-        rates = np.stack([-b, -a - self.steps * b, b, a], axis=1)
-        return np.where(met, 0.0, rates + prices * np.array([1.0, 1.0, -1.0, -1.0]))
-
-    def _derivatives(self, prices: Floats, low: Floats, high: Floats, which: Ints) -> Floats:
-        at = np.einsum("eij,ej->ei", self.gain[which], prices) + self.shift[which]
-        met = self.met[which]
-        factor = self._factors(prices, at, met)
-        ends = np.where(met, 0.0, np.where(factor > 0, low, high))
+    def _derivatives(self, factor: Floats, low: Floats, high: Floats, which: Ints) -> Floats:
+        """Those of the cost by the prices (e, 4), at the corner `which` (e,) with its factors
+        (e, 4)."""
+        ends = np.where(self.met[which], 0.0, np.where(factor > 0, low, high))
         turned = np.stack([
             ends[:, 3] - ends[:, 1], ends[:, 2] - ends[:, 0] - self.steps * ends[:, 1]
         ], axis=1)  # fmt: skip
-        direct = ends * np.array([1.0, 1.0, -1.0, -1.0])
-        return np.asarray(direct + np.einsum("eij,ei->ej", self.gain[which], turned))
+        return np.asarray(ends * _SIGNS + np.einsum("eij,ei->ej", self.gain[which], turned))
+
+
+def _affine(turn: Floats, gain: Floats, shift: Floats) -> Floats:
+    """turn (m, 2) times (A, B) at all corners n, as a matrix (m * n, 4 + 1) of prices and 1."""
+    linear = np.einsum("mi,nij->mnj", turn, gain).reshape(-1, 4)
+    return np.column_stack([linear, (turn @ shift.T).reshape(-1)])

@@ -11,8 +11,11 @@ from support.carts import CARTS, EXACT, HIGHS
 from stlc.api import loads
 from stlc.ir.nodes import Linear, Link, walk
 from stlc.milp.compile import compile_mission
+from stlc.record import changed
+from stlc.solve import tuning
 from stlc.solve.alone.loosened import loosened
-from stlc.solve.alone.parts import Part, bound_of
+from stlc.solve.alone.parts import Part, Parts, bound_of
+from stlc.solve.deadline import Deadline
 from stlc.solve.strategies import LONE, PARTS, run_strategy
 from stlc.solve.strategy import Work
 
@@ -30,6 +33,17 @@ TALKS = (
     "always[0, 2] eventually[0, 2] (rssi(r1, r2) >= -52 dBm and rssi(r2, r3) >= -52 dBm)",
     "eventually[2, 4] (rssi(r1, r3) >= -50 dBm) and always[3, 4] not (rssi(r2, base) <= -52 dBm)",
 )
+
+
+ABREAST = """
+horizon 2
+workspace box [0, 6] x [0, 6]
+agent r[1..4] : single_integrator { start (1, 3); control |u| <= 2 }
+require go: forall r in agents: eventually r.x >= 5 m
+require apart: forall (a, b) in pairs: always[1, 2] separation(a, b) >= 0.6 m
+minimize effort
+"""
+"""Four carts from one place: each costs 4 m/s alone, a pair 0.6 more, three 1.2 and all 2.4."""
 
 
 def looked_at(talk: str) -> tuple[Work, Work]:
@@ -56,6 +70,30 @@ def test_agents_that_must_hear_each_other_cost_more_than_alone() -> None:
     lone, parts = looked_at(TALKS[0])
     assert parts.bound > 1.05 * lone.bound
     assert parts.compiled.model.rows > lone.compiled.model.rows
+
+
+def test_a_bound_near_the_plan_is_left_to_the_solver() -> None:
+    lone = LONE.run(Work.of(compile_mission(loads(TALK + TALKS[0])), HIGHS, EXACT))
+    assert isinstance(lone, Work)
+    best = HIGHS.solve(lone.compiled.model, EXACT)
+    known = lone.with_point(best.x, "milp")
+    assert PARTS.applies(known)
+    assert not PARTS.applies(known.with_bound(0.995 * known.value))
+
+
+@pytest.mark.parametrize(("gain", "sizes"), [(0.4, {2, 3}), (0.6, {2})])
+def test_larger_groups_are_tried_where_smaller_ones_close_much_of_the_gap(
+    gain: float, sizes: set[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tuning, "PARTS", changed(tuning.PARTS, gain=gain))
+    compiled = compile_mission(loads(ABREAST))
+    best = HIGHS.solve(compiled.model, EXACT)
+    lone = LONE.run(Work.of(compiled, HIGHS, EXACT).with_point(best.x, "milp"))
+    assert isinstance(lone, Work)
+    assert PARTS.applies(lone)
+    parts = Parts.of(lone, Deadline.after(None))
+    assert parts.run().bound == pytest.approx(17.6 if 3 in sizes else 17.2, abs=1e-3)
+    assert {len(part.agents) for part in parts.found} == {1} | sizes
 
 
 def test_bounds_are_reported() -> None:
