@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from support.outside import bundled_cbc, cbc_devel
 
+from stlc.arrays import Floats
 from stlc.backends import get
 from stlc.backends.base import SolveOptions
 from stlc.backends.command import run
@@ -18,11 +19,17 @@ from stlc.solve.certify import certify
 HARD = knapsack(200, 30)
 
 
+@pytest.fixture(scope="module")
+def start() -> Floats:
+    """A point that is far from the optimum."""
+    found = get("highs").solve(HARD, SolveOptions(time_limit=0.2)).x
+    assert found is not None
+    return found
+
+
 @pytest.mark.parametrize("binary", [bundled_cbc(), cbc_devel()], ids=["2.10", "devel"])
-def test_cbc_starts_from_the_point(binary: str, tmp_path: Path) -> None:
-    start = get("highs").solve(HARD, SolveOptions(time_limit=1.0)).x
-    assert start is not None
-    options = SolveOptions(time_limit=2.0, start=start)
+def test_cbc_starts_from_the_point(binary: str, start: Floats, tmp_path: Path) -> None:
+    options = SolveOptions(time_limit=0.5, start=start)
     files = Files.inside(tmp_path)
     _write(HARD, files, options)
     log = run([binary, *TEMPLATES["cbc"].arguments(files, options, ())], options, tmp_path)

@@ -97,9 +97,9 @@ def test_nodes_grow_with_the_steps_alone(formula: str) -> None:
 
 
 def test_a_chain_deeper_than_any_stack_compiles() -> None:
-    deep = "r.x >= 0.5 m until[0, 1500] r.y >= 1 m"
-    compiled = compile_mission(_loaded(f"always[0, 1200] ({deep})"))
-    assert compiled.model.rows < 40 * 2700
+    deep = "r.x >= 0.5 m until[0, 1040] r.y >= 1 m"
+    compiled = compile_mission(_loaded(f"always[0, 700] ({deep})"))
+    assert compiled.model.rows < 40 * 1740
     (one,) = compiled.layout.encoded
     assert _depth(one.formula) > 1000
     (other,) = pickle.loads(pickle.dumps(compiled.layout)).encoded  # racers get it by pipe

@@ -66,8 +66,8 @@ def _sure(estimate: Estimate, truth: float) -> None:
     assert estimate.low <= truth <= estimate.high, (estimate.low, truth, estimate.high)
 
 
-def _run(mission: Mission, plan: Plan, **options: bool) -> dict[str, Estimate]:
-    found = simulate(mission, plan, draws=DRAWS, seed=7, confidence=0.9999, **options)
+def _run(mission: Mission, plan: Plan, draws: int = DRAWS, **options: bool) -> dict[str, Estimate]:
+    found = simulate(mission, plan, draws=draws, seed=7, confidence=0.9999, **options)
     return {e.name: e for e in (*found.requirements, found.joint)}
 
 
@@ -168,7 +168,7 @@ def test_links_follow_noisy_positions(tmp_path: Path) -> None:
         mean, variance = model.predict(np.array([[x, 1.0, 5, 5]]), True)
         return float(norm.pdf(x, 1, 1) * norm.cdf((mean[0] + 24) / np.sqrt(variance[0])))
 
-    _sure(_run(mission, _plan(mission))["p"], quad(one, -6, 8, limit=200)[0])
+    _sure(_run(mission, _plan(mission), 10_000)["p"], quad(one, -6, 8, limit=200)[0])
 
 
 def test_tables_are_looked_up_where_noise_puts_the_agent(tmp_path: Path) -> None:
@@ -194,7 +194,7 @@ def test_pairs_with_and_without_noise_share_a_channel(tmp_path: Path) -> None:
         "require q: always[0,0] rssi(b, mast) >= -22 dBm",
     )
     mission = _mission(tmp_path, *lines, a="start_noise (1, 0)")
-    found = _run(mission, _plan(mission))
+    found = _run(mission, _plan(mission), 10_000)
     mean = -10 - 20 * np.log10(np.hypot(1, 4))
     _sure(found["q"], float(norm.cdf((mean + 22) / np.sqrt(6 + 4))))
     assert 0 < found["p"].probability < 1

@@ -24,7 +24,7 @@ def test_each_point_is_the_least_effort_by_its_deadline(tmp_path: Path, cost: st
     file = tmp_path / "m.stl"
     file.write_text(TEXT.format(end=7, cost=cost))
     asked = Question(str(file), (), "")
-    curve = frontier(asked, ("effort", "time(go)"), 12, lambda q, s: answer(q, s))
+    curve = frontier(asked, ("effort", "time(go)"), 6, lambda q, s: answer(q, s))
     assert len(curve.trades) >= 3
     seconds = [round(t.second) for t in curve.trades]
     for trade, end in zip(curve.trades, seconds, strict=True):

@@ -94,7 +94,7 @@ def test_proves_what_the_whole_model_proves(text: str, monkeypatch: pytest.Monke
 
 
 def test_plan_comes_from_routes_and_keeps_the_mission(monkeypatch: pytest.MonkeyPatch) -> None:
-    quick = changed(tuning.ROUTES, glance=0.0, better_seconds=1.0)
+    quick = changed(tuning.ROUTES, glance=0.0, better_seconds=1.0, climb_rounds=2)
     monkeypatch.setattr(tuning, "ROUTES", quick)
     work = Work.of(compiled(DOUBLE), get("highs"), SolveOptions(time_limit=60.0))
     assert ROUTES.applies(work)
