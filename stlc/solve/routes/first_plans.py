@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from stlc.backends.base import Solution
 from stlc.solve import tuning
+from stlc.solve.deadline import Deadline
 from stlc.solve.routes.finder import Effort, Routes
 from stlc.solve.routes.motion_bounds import Bounds
 from stlc.solve.routes.nearby import FINDER, bettered, polished, solved
@@ -12,17 +13,28 @@ from stlc.solve.strategy import Work
 
 
 def planned(work: Work, bounds: Bounds | None) -> Work | Solution:
-    """The work with a first plan, better ones, and bounds."""
+    """The work with a first plan, better ones, and bounds; those of grids come before, since they
+    find better plans too."""
     found = work if bounds is None else _visiting(work, bounds)
-    found = _first_plan(found, bounds) if found.x is None else found
-    if found.x is None:
-        return found
-    better = bettered(found, tuning.ROUTES.better_share)
+    first = _first_plan(found, bounds) if found.x is None else found
+    if isinstance(first, Solution) or first.x is None:
+        return first
+    if bounds is not None and bounds.gridded:
+        return bounded(first, bounds)
+    better = bettered(first, tuning.ROUTES.better_share)
     if bounds is None or isinstance(better, Solution):
         return better
     if not bounds.promises(better.value, tuning.ROUTES.worth):
         return better
     return bounds.better(better, tuning.ROUTES.bound_share)
+
+
+def bounded(work: Work, bounds: Bounds) -> Work | Solution:
+    """The work, which has a plan, with bounds first and then better plans."""
+    found = bounds.better(work, tuning.ROUTES.known_share)
+    if isinstance(found, Solution) or found.proven():
+        return found
+    return bettered(found, tuning.ROUTES.better_share)
 
 
 def _visiting(work: Work, bounds: Bounds) -> Work:
@@ -40,17 +52,28 @@ def _visiting(work: Work, bounds: Bounds) -> Work:
     return work
 
 
-def _first_plan(work: Work, bounds: Bounds | None) -> Work:
+def _first_plan(work: Work, bounds: Bounds | None) -> Work | Solution:
     """Beams of growing effort, after a few of them grids where agents are such."""
     deadline = work.deadline.share(tuning.ROUTES.share, tuning.ROUTES.seconds)
     routes = Routes.of(work.compiled, deadline.over)
     for number, effort in enumerate(tuning.ROUTES.efforts):
         if number == tuning.ROUTES.first_efforts and bounds is not None and bounds.gridded:
-            work = bounds.better(work, tuning.ROUTES.grid_share)
+            found = _by_grids(work, bounds, deadline)
+            if isinstance(found, Solution):
+                return found
+            work = found
         if work.x is not None or deadline.over():
             break
         work = _beamed(work, routes, Effort(*effort))
     return work
+
+
+def _by_grids(work: Work, bounds: Bounds, deadline: Deadline) -> Work | Solution:
+    """A plan near runs of grids that are found soon, else near those that bounds are of."""
+    found = bounds.guided(work, deadline.over)
+    if found.x is not None or deadline.over():
+        return found
+    return bounds.better(found, tuning.ROUTES.grid_share)
 
 
 def _beamed(work: Work, routes: Routes, effort: Effort) -> Work:

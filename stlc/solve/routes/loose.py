@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -12,7 +12,6 @@ from stlc.arrays import Bools, Floats
 from stlc.ir.nodes import Linear, Link, Not, Role, walk
 from stlc.milp.compile import Compiled
 from stlc.mission import Mission, TermKind
-from stlc.solve.routes.destinations import Places
 from stlc.solve.routes.moves import Judge, LevelOf, Moves
 
 EDGE = 1e-7
@@ -72,37 +71,6 @@ class Loosened(Judge):
 
     def _link(self, node: Link | Not, level: float, moves: Moves) -> Bools:
         return np.ones(len(moves.after), bool)
-
-
-@dataclass(slots=True, eq=False)
-class Grid(Places):
-    """Places over the grid's points, and what the ways to them cost at the least: no obstacle is
-    seen. `ends` (2, N, 2): the open box that each point stands for."""
-
-    lines: tuple[Floats, Floats] = field(default_factory=lambda: (np.zeros(1), np.zeros(1)))
-    ends: Floats = field(default_factory=lambda: np.zeros((2, 1, 2)))
-    prices: Floats = field(default_factory=lambda: np.ones(2))
-
-    def _resting(self, step: int) -> Moves:
-        still = np.zeros_like(self.ends[0])
-        low = Moves(self.agent.name, step, self.ends[0], still, self.ends[0])
-        return Spread(self.agent.name, step, self.ends[1], still, self.ends[1], low)
-
-    def _holding(self, number: int) -> Bools:
-        if self.progress.atoms[number].moving:
-            return np.ones(len(self.free), bool)
-        return Places._holding(self, number)
-
-    def _ways(self, mask: Bools) -> Floats:
-        """Weighted distance in the 1-norm, one axis after the other."""
-        found = np.where(mask, 0.0, np.inf).reshape(self.shape)
-        for axis in range(2):
-            line, steps = np.moveaxis(found, axis, 0), np.diff(self.lines[axis]) * self.prices[axis]
-            for k, step in enumerate(steps):
-                np.minimum(line[k + 1], line[k] + step, out=line[k + 1])
-            for k in range(len(steps) - 1, -1, -1):
-                np.minimum(line[k], line[k + 1] + steps[k], out=line[k])
-        return np.asarray(found.ravel())
 
 
 def lines_of(

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from stlc.backends.base import Solution
 from stlc.milp.compile import Compiled
 from stlc.milp.model import Model
 from stlc.mission import TermKind
@@ -23,6 +24,7 @@ from stlc.solve.deadline import Deadline
 from stlc.solve.relaxation.bodies import body_of
 from stlc.solve.routes.box_atoms import places_of
 from stlc.solve.routes.finder import Routes
+from stlc.solve.routes.grid_beam import GridBeam
 from stlc.solve.routes.loose import fits
 from stlc.solve.routes.nearby import FINDER, solved
 from stlc.solve.routes.play import MOST_MOVES, Play, play_of
@@ -41,6 +43,7 @@ class Bounds:
     grids: Routes
     lone: Mapping[str, float]
     visits: Mapping[str, Climb]
+    plays: dict[tuple[str, int], Play] = field(default_factory=dict)  # by agent and cut
 
     @staticmethod
     def of(compiled: Compiled, over: Callable[[], bool]) -> Bounds | None:
@@ -89,9 +92,24 @@ class Bounds:
                 upper[columns] = np.minimum(upper[columns], boxes[:, d, 1] + wide)
         return replace(model, col_lower=np.minimum(lower, upper), col_upper=upper)
 
-    def better(self, work: Work, share: float) -> Work:
+    def guided(self, work: Work, over: Callable[[], bool]) -> Work:
+        """The work with a plan near runs of grids that are found soon, if there is one."""
+        for width, greed in tuning.ROUTES.grid_beams:
+            grids = dict[str, Play]()
+            for name in self.gridded:
+                grid = self._grid(work, name, tuning.ROUTES.cuts[0], np.inf, over)
+                beam = GridBeam(grid.board, np.inf, over, grid.places, width=width, greed=greed)
+                if grid.size() > MOST_MOVES or beam.bound() is None:
+                    return work
+                grids[name] = beam
+            work = _beside(work, grids)
+            if work.x is not None or over():
+                break
+        return work
+
+    def better(self, work: Work, share: float) -> Work | Solution:
         """The work with the best bounds that there is time for, as rows too, and with plans that
-        lie near the runs they are of; `share` of the time that is left."""
+        lie near the runs they are of, or that there is none; `share` of the time that is left."""
         deadline = work.deadline.share(share, tuning.ROUTES.bound_seconds)
         lone = dict(self.lone)
         for name, climb in self.visits.items():
@@ -99,6 +117,8 @@ class Bounds:
         found = _told(work, lone)
         if self.gridded:
             found = self._by_grids(found, self.gridded, lone, deadline)
+            if np.isposinf(found.bound):
+                return found.without_plan("runs over grids")
         return _with_rows(found, lone)
 
     def _by_grids(
@@ -113,6 +133,8 @@ class Bounds:
                 found = grid.bound() if grid.size() <= MOST_MOVES else None
                 if found is None:
                     return _told(work, lone)
+                if np.isposinf(found):
+                    return work.with_bound(found)
                 lone[name] = max(found, lone.get(name, 0.0))
                 work = _told(work, lone)
             if not work.proven():
@@ -139,7 +161,11 @@ class Bounds:
 
     def _grid(self, work: Work, name: str, cut: int, most: float, over: Callable[[], bool]) -> Play:
         grids = self.grids
-        return play_of(work.compiled, name, grids.progress, grids.levels, cut, most, over)
+        if (name, cut) not in self.plays:
+            self.plays[name, cut] = play_of(
+                work.compiled, name, grids.progress, grids.levels, cut, most, over
+            )
+        return replace(self.plays[name, cut], most=most, over=over, layers=[])
 
 
 def _beside(work: Work, grids: Mapping[str, Play]) -> Work:

@@ -32,8 +32,7 @@ def plan_routes(work: Work) -> Work | Solution:
     begun = _glanced(work, goes_on)
     if begun is None or isinstance(begun, Solution):
         return begun or work
-    from stlc.solve.routes.first_plans import planned
-    from stlc.solve.routes.nearby import bettered
+    from stlc.solve.routes.first_plans import bounded, planned
 
     bounds = known()
     if bounds is not None and bounds.hopeless():
@@ -42,8 +41,7 @@ def plan_routes(work: Work) -> Work | Solution:
         return planned(begun, bounds)
     if bounds is None:
         return begun
-    bounded = bounds.better(begun, tuning.ROUTES.known_share)
-    return bounded if bounded.proven() else bettered(bounded, tuning.ROUTES.better_share)
+    return bounded(begun, bounds)
 
 
 def _bounds(work: Work) -> Bounds | None:
