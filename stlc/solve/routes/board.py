@@ -16,8 +16,8 @@ import numpy as np
 from stlc.arrays import Bools, Floats, Ints
 from stlc.ir.nodes import And, Linear, Node, Or
 from stlc.mission import Agent
-from stlc.solve.routes.loose import EDGE, Loosened, Spread
-from stlc.solve.routes.moves import Moves
+from stlc.solve.routes.loose import EDGE, Spread
+from stlc.solve.routes.moves import Judge, Moves
 from stlc.solve.routes.progress import Progress
 
 _ROOM = 1e-3  # m beyond the outermost lines: the ranges end there
@@ -44,7 +44,7 @@ class Board:
 
     agent: Agent
     progress: Progress
-    judge: Loosened
+    judge: Judge
     lower: Floats  # (T+1, 2) ranges
     upper: Floats
     lines: tuple[Floats, Floats]
@@ -90,8 +90,15 @@ class Board:
         return {t: steps for steps in self.alike for t in steps}
 
     def _asked(self, t: int) -> object:
-        asserted = frozenset(self.form(n, t) for n in self.progress.asserted.get(t, ()))
+        asserted = frozenset(self.form(n, t) for n in self._steady(t))
         return asserted, frozenset(self.form(n, t) for n in self.progress.atoms_at.get(t, ()))
+
+    def is_steady(self, number: int) -> bool:
+        """Whether an atom asks the same of moves at whatever step it stands."""
+        return True
+
+    def _steady(self, t: int) -> list[int]:
+        return [n for n in self.progress.asserted.get(t, ()) if self.is_steady(n)]
 
     def form(self, number: int, t: int) -> Form:
         """An atom without its step `t`."""
@@ -114,6 +121,10 @@ class Board:
         rows = known.fine.reshape(-1, shape[1])[origins]
         target = origins[:, None] + self.shifts
         fine = rows & self._ranged(t)[np.clip(target, 0, len(self.points) - 1)]
+        changing = [n for n in self.progress.asserted.get(t, ()) if not self.is_steady(n)]
+        if changing:
+            k, move = np.nonzero(fine)
+            fine[k, move] = self._judge(t, origins[k], target[k, move], changing, ())[0]
         columns = [(n, known.column[self.form(n, t)]) for n in self.progress.atoms_at.get(t, ())]
         labels = [{n: bool(row[k]) for n, k in columns} for row in known.holds]
         return fine, labels, known.label.reshape(-1, shape[1])[origins]
@@ -127,7 +138,7 @@ class Board:
             steps = self._company[t]
             low, high = self.lower[steps].min(axis=0), self.upper[steps].max(axis=0)
             where, moves = self._every()
-            fine, labels, label = self._classes(t, (low, high), where, moves)
+            fine, labels, label = self._classes(t, self._steady(t), (low, high), where, moves)
             atoms = self.progress.atoms_at.get(t, [])
             holds = np.array([[row[n] for n in atoms] for row in labels], bool)
             column = {self.form(n, t): k for k, n in enumerate(atoms)}
@@ -155,16 +166,23 @@ class Board:
         self, t: int, where: Ints, moves: Ints
     ) -> tuple[Bools, list[dict[int, bool]], Ints]:
         """Which moves may be (k,), what holds after them by class, and the class of each."""
-        return self._classes(t, (self.lower[t], self.upper[t]), where, moves)
+        asserted = self.progress.asserted.get(t, [])
+        return self._classes(t, asserted, (self.lower[t], self.upper[t]), where, moves)
 
     def _classes(
-        self, t: int, ranges: tuple[Floats, Floats], where: Ints, moves: Ints
+        self,
+        t: int,
+        asserted: Sequence[int],
+        ranges: tuple[Floats, Floats],
+        where: Ints,
+        moves: Ints,
     ) -> tuple[Bools, list[dict[int, bool]], Ints]:
+        """As `classes`, with these atoms asserted, within these ranges."""
         fine, target = self._inside(ranges, where, moves)
         atoms = self.progress.atoms_at.get(t, [])
         label = np.zeros(len(where), np.int64)
         own = np.flatnonzero(fine)
-        good, holds = self._judge(t, where[own], target[own], atoms)
+        good, holds = self._judge(t, where[own], target[own], asserted, atoms)
         fine[own[~good]] = False
         if not len(own):
             return fine, [dict.fromkeys(atoms, False)], label
@@ -188,7 +206,7 @@ class Board:
         low, high = self.lower[steps].min(axis=0), self.upper[steps].max(axis=0)
         fine, target = self._inside((low, high), where, moves)
         where, target = where[fine], target[fine]
-        good = self._judge(steps[0], where, target, ())[0]
+        good = self._judge(steps[0], where, target, self._steady(steps[0]), ())[0]
         return where[good], target[good]
 
     def _inside(
@@ -212,33 +230,38 @@ class Board:
         return least, most
 
     def _judge(
-        self, t: int, where: Ints, target: Ints, atoms: Sequence[int]
+        self, t: int, where: Ints, target: Ints, asserted: Sequence[int], atoms: Sequence[int]
     ) -> tuple[Bools, Bools]:
         """Whether what is asserted holds (k,), and these other atoms (k, atoms)."""
-        (low, high), name = self.ends, self.agent.name
-        ways = [np.clip(w, -self.fastest, self.fastest) for w in self._ways(where, target)]
-        inputs = np.sort(np.array(ways) / np.diag(self.agent.dynamics.B), axis=0)
-        inputs += np.array([-EDGE, EDGE])[:, None, None]  # its ends may be reached
-        below = Moves(name, t, low[where], inputs[0], low[target])
-        both = Spread(name, t, high[where], inputs[1], high[target], below)
+        moves = self._moving(t, where, target)
         memos: dict[int, dict[Node, Bools]] = {}
 
         def judged(number: int) -> Bools:
             atom = self.progress.atoms[number]
             memo = memos.setdefault(atom.source, {})
-            return self.judge.holds(atom.node, atom.source, both, memo)
+            return self.judge.holds(atom.node, atom.source, moves, memo)
 
         good = np.ones(len(where), bool)
-        for number in self.progress.asserted.get(t, ()):
+        for number in asserted:
             good &= judged(number)
         holds = np.zeros((len(where), len(atoms)), bool)
         for k, number in enumerate(atoms):
             holds[:, k] = judged(number)
         return good, holds
 
+    def _moving(self, t: int, where: Ints, target: Ints) -> Moves:
+        """What x may do while y moves."""
+        (low, high), name = self.ends, self.agent.name
+        ways = [np.clip(w, -self.fastest, self.fastest) for w in self._ways(where, target)]
+        inputs = np.sort(np.array(ways) / np.diag(self.agent.dynamics.B), axis=0)
+        inputs += np.array([-EDGE, EDGE])[:, None, None]  # its ends may be reached
+        below = Moves(name, t, low[where], inputs[0], low[target])
+        return Spread(name, t, high[where], inputs[1], high[target], below)
+
     def judged(self, t: int, where: Ints, target: Ints) -> tuple[Bools, list[dict[int, bool]]]:
+        """Whether what is asserted holds (k,), and the other atoms of a step by move."""
         atoms = self.progress.atoms_at.get(t, [])
-        good, holds = self._judge(t, where, target, atoms)
+        good, holds = self._judge(t, where, target, self.progress.asserted.get(t, []), atoms)
         return good, [dict(zip(atoms, row.tolist(), strict=True)) for row in holds]
 
 

@@ -101,6 +101,7 @@ class Grid(Places):
         return None if self._allowed is False else self._allowed
 
     def _joined(self) -> Any:
+        """The moves of all kinds of steps as one symmetric matrix."""
         alike = self.board.alike
         if len(alike) > _MOST_ALIKE:
             return None

@@ -24,8 +24,9 @@ from stlc.solve.deadline import Deadline
 from stlc.solve.relaxation.bodies import body_of
 from stlc.solve.routes.box_atoms import places_of
 from stlc.solve.routes.finder import Routes
-from stlc.solve.routes.grid_beam import GridBeam
+from stlc.solve.routes.grid_beam import Crossings, GridBeam
 from stlc.solve.routes.loose import fits
+from stlc.solve.routes.moves import Judge
 from stlc.solve.routes.nearby import FINDER, solved
 from stlc.solve.routes.play import MOST_MOVES, Play, play_of
 from stlc.solve.routes.traced import traced
@@ -33,6 +34,9 @@ from stlc.solve.routes.tube import within
 from stlc.solve.routes.visit_bound import Climb, Priced
 from stlc.solve.routes.visits import Search, kinds_of
 from stlc.solve.strategy import Work
+from stlc.trajectories import Trajectories
+
+_NOBODY = Trajectories({}, {})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,19 +97,32 @@ class Bounds:
         return replace(model, col_lower=np.minimum(lower, upper), col_upper=upper)
 
     def guided(self, work: Work, over: Callable[[], bool]) -> Work:
-        """The work with a plan near runs of grids that are found soon, if there is one."""
+        """The work with a plan of, or near, runs from crossing to crossing that are found soon: one
+        agent after the other, alone where it finds none beside those before it."""
         for width, greed in tuning.ROUTES.grid_beams:
-            grids = dict[str, Play]()
+            beams, others = dict[str, Play](), _NOBODY
             for name in self.gridded:
                 grid = self._grid(work, name, tuning.ROUTES.cuts[0], np.inf, over)
-                beam = GridBeam(grid.board, np.inf, over, grid.places, width=width, greed=greed)
-                if grid.size() > MOST_MOVES or beam.bound() is None:
-                    return work
-                grids[name] = beam
-            work = _beside(work, grids)
+                boards = [self._crossings(grid, work, o) for o in dict.fromkeys((others, _NOBODY))]
+                tries = (GridBeam(c, np.inf, over, grid.places, width=width, greed=greed)
+                         for c in boards if grid.size() <= MOST_MOVES)  # fmt: skip
+                found = next((beam for beam in tries if beam.finds()), None)
+                if found is None:
+                    break
+                beams[name], others = found, _with(others, found)
+            else:
+                work = _beside(work, beams)
             if work.x is not None or over():
                 break
         return work
+
+    def _crossings(self, grid: Play, work: Work, others: Trajectories) -> Crossings:
+        """The board for exact moves, beside agents that are planned."""
+        compiled, board = work.compiled, grid.board
+        judge = Judge(compiled.mission, compiled.channels, self.grids.levels, others)
+        return Crossings(
+            board.agent, board.progress, judge, board.lower, board.upper, board.lines, board.prices
+        )
 
     def better(self, work: Work, share: float) -> Work | Solution:
         """The work with the best bounds that there is time for, as rows too, and with plans that
@@ -166,6 +183,15 @@ class Bounds:
                 work.compiled, name, grids.progress, grids.levels, cut, most, over
             )
         return replace(self.plays[name, cut], most=most, over=over, layers=[])
+
+
+def _with(others: Trajectories, beam: GridBeam) -> Trajectories:
+    """Planned agents and the one whose run a beam has found."""
+    run, board = traced(beam), beam.board
+    assert run is not None
+    assert isinstance(board, Crossings)
+    inputs = {**others.inputs, board.agent.name: board.inputs(run[0][:-1], run[0][1:])}
+    return Trajectories({**others.states, board.agent.name: run[0]}, inputs)
 
 
 def _beside(work: Work, grids: Mapping[str, Play]) -> Work:

@@ -80,6 +80,32 @@ def test_few_states_find_a_run_that_costs_no_less_than_the_bound() -> None:
     assert traced(beam) is not None
 
 
+TWO = """step 1 s
+horizon 10
+workspace box [0, 8] x [0, 6]
+agent a : single_integrator { start (0.9, 1); control |u| <= 2 }
+agent b : single_integrator { start (7, 1); control |u| <= 2 }
+obstacle wall = box [3, 4] x [0, 4]
+region right = box [6, 7] x [1, 2]
+region left = box [1, 2] x [1, 2]
+require clear: always (a outside wall swept and b outside wall swept)
+require swap: (eventually a in right) and (eventually b in left)
+require apart: always separation(a, b) >= 0.5 m swept
+minimize effort
+"""
+
+
+def test_runs_from_crossing_to_crossing_are_a_plan_of_a_team() -> None:
+    one = compile_mission(loads(TWO))
+    bounds = Bounds.of(one, never)
+    assert bounds is not None
+    work = Work.of(one, get("highs"), SolveOptions(time_limit=60.0))
+    found = bounds.guided(work, never)
+    assert found.x is not None
+    least = (5.1 + 3.0 + 2.0) + (5.0 + 3.0 + 2.0)  # along, above the wall, and down to the goals
+    assert least - 1e-6 <= found.value <= 1.1 * least
+
+
 def test_a_grid_without_a_run_says_that_there_is_no_plan() -> None:
     one = compile_mission(loads(SHUT))
     bounds = Bounds.of(one, never)
