@@ -17,17 +17,19 @@ settings.register_profile(
 settings.register_profile("full", max_examples=500, deadline=None, suppress_health_check=_QUIET)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
 
-# Processes of their own, whole searches, quadratures: two fifths of the tests, nine tenths of the
-# processor time (1,500 s of the busy machine where they were timed; what is left takes 300 there).
+# Processes of their own, whole searches, quadratures: a third of the tests, nine tenths of the
+# processor time.
 SLOW = (
-    "backends/test_race.py", "bench", "cli", "docs", "explain/test_planted", "explain/test_repair",
-    "front/test_plan", "lsp/test_server", "milp/tables", "missions", "plot/test_panels",
-    "radio/test_averages", "renew/test_receding", "renew/test_replanning", "sema/test_deliveries",
-    "solve/bounders", "solve/crew", "solve/routes/test_play", "solve/routes/test_visits",
-    "solve/test_caps", "solve/test_link_kinds", "solve/test_link_search",
-    "solve/test_neighbourhoods", "solve/test_turns", "sweep/test_sweep", "syntax/test_limits",
-    "test_wheel.py", "verify/test_continuous_truth", "verify/test_definition", "verify/test_peers",
-    "verify/test_walls",
+    "backends/test_race.py", "bench", "cli", "docs", "explain/test_planted",
+    "explain/test_repair", "front/test_plan", "lsp/test_server", "milp/tables", "missions",
+    "plot/test_panels", "preferences/test_brute_force", "radio/test_averages",
+    "radio/test_directed", "renew/test_giving_up", "renew/test_links_and_tubes",
+    "renew/test_receding", "renew/test_replanning", "solve/bounders", "solve/crew",
+    "solve/routes/test_play", "solve/routes/test_visits", "solve/test_caps",
+    "solve/test_link_kinds", "solve/test_link_search", "solve/test_neighbourhoods",
+    "solve/test_several", "solve/test_turns", "sweep/test_sweep", "syntax/test_limits",
+    "test_wheel.py", "verify/test_continuous_truth", "verify/test_definition",
+    "verify/test_peers",
 )  # fmt: skip
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from html import escape
 from pathlib import PurePath
-from typing import Any
 
 from stlc.mission import Mission
+from stlc.report.needs import Need
 from stlc.source import Source
 
 _CLASSES = {
@@ -15,7 +15,7 @@ _CLASSES = {
 }  # fmt: skip
 
 
-def listing(mission: Mission, needs: list[dict[str, Any]]) -> str:
+def listing(mission: Mission, needs: list[Need]) -> str:
     """The file, and those it imports where requirements stand in them, as HTML."""
     sources = {mission.source.name: mission.source}
     for r in mission.requirements:
@@ -24,22 +24,22 @@ def listing(mission: Mission, needs: list[dict[str, Any]]) -> str:
     return "\n".join(_file(source, needs) for source in sources.values())
 
 
-def _file(source: Source, needs: list[dict[str, Any]]) -> str:
+def _file(source: Source, needs: list[Need]) -> str:
     """One file: a heading and its lines."""
     name = PurePath(source.name).name
-    here = [(k, n) for k, n in enumerate(needs) if n["source"] == source.name]
+    here = [(k, n, n.lines) for k, n in enumerate(needs) if n.source == source.name and n.lines]
     lines = []
     for number, html in enumerate(coloured(source.text), start=1):
-        mine = [(k, n) for k, n in here if n["lines"][0] <= number <= n["lines"][1]]
+        mine = [(k, n) for k, n, lines in here if lines[0] <= number <= lines[1]]
         lines.append(_line(html, mine))
     return f'<h2>{escape(name)}</h2>\n<ol class="code">{"".join(lines)}</ol>'
 
 
-def _line(html: str, mine: list[tuple[int, dict[str, Any]]]) -> str:
+def _line(html: str, mine: list[tuple[int, Need]]) -> str:
     """A line; green or red, and open to the pointer, where requirements stand in it."""
     if not mine:
         return f"<li><code>{html}</code></li>"
-    mood = "good" if all(n["ok"] for _, n in mine) else "bad"
+    mood = "good" if all(n.ok for _, n in mine) else "bad"
     of = " ".join(str(k) for k, _ in mine)
     return f'<li class="{mood}" data-needs="{of}" tabindex="0"><code>{html}</code></li>'
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,8 +17,43 @@ from stlc.verify.report import tidy
 from stlc.verify.timeline import Timeline, timelines
 
 
-def needs(mission: Mission, plan: Plan, found: Explained) -> list[dict[str, Any]]:
-    """One for each requirement, in the order of the file; plain JSON values."""
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """Robustness less the margin over the steps (null where there is none), the step that decides
+    and the steps that are asked about."""
+
+    values: list[float | None]
+    step: int
+    window: tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Need:
+    """A card of the page; texts are for a person, its fields are what the scripts read.
+
+    `lines` are the first and the last of the file `source`; `names` are agents, stations and places
+    that it speaks of, `about` those of the condition that decides it.
+    """
+
+    name: str
+    ok: bool
+    tight: bool
+    says: str
+    slack: str
+    value: str
+    unit: str
+    step: int | None
+    decides: str
+    price: str
+    source: str | None
+    lines: tuple[int, int] | None
+    names: list[str]
+    about: list[str]
+    curve: Curve | None
+
+
+def needs(mission: Mission, plan: Plan, found: Explained) -> list[Need]:
+    """One for each requirement, in the order of the file."""
     standings = {s.name: s for s in found.standings}
     curves = timelines(mission, plan)
     return [
@@ -27,26 +62,26 @@ def needs(mission: Mission, plan: Plan, found: Explained) -> list[dict[str, Any]
     ]
 
 
-def _need(requirement: Requirement, standing: Standing, curve: Timeline | None) -> dict[str, Any]:
-    """A card; texts are for a person."""
+def _need(requirement: Requirement, standing: Standing, curve: Timeline | None) -> Need:
+    """A requirement, how it stands, and its curve, if it has one."""
     span = requirement.span
-    return {
-        "name": requirement.name,
-        "ok": standing.report.satisfied,
-        "tight": standing.tight,
-        "says": " ".join(span.text.split()) if span is not None else "",
-        "slack": _slack(standing),
-        "value": _value(standing),
-        "unit": standing.unit,
-        "step": standing.step,
-        "decides": standing.decides,
-        "price": _price(standing),
-        "source": None if span is None else span.source.name,
-        "lines": None if span is None else [span.line, span.source.position(span.end)[0]],
-        "names": _names(walk(requirement.formula)),
-        "about": [] if curve is None else _names(curve.deciders),
-        "curve": None if curve is None else _curve(curve, requirement.margin),
-    }
+    return Need(
+        name=requirement.name,
+        ok=standing.report.satisfied,
+        tight=standing.tight,
+        says=" ".join(span.text.split()) if span is not None else "",
+        slack=_slack(standing),
+        value=_value(standing),
+        unit=standing.unit,
+        step=standing.step,
+        decides=standing.decides,
+        price=_price(standing),
+        source=None if span is None else span.source.name,
+        lines=None if span is None else (span.line, span.source.position(span.end)[0]),
+        names=_names(walk(requirement.formula)),
+        about=[] if curve is None else _names(curve.deciders),
+        curve=None if curve is None else _curve(curve, requirement.margin),
+    )
 
 
 def _slack(s: Standing) -> str:
@@ -79,10 +114,10 @@ def _price(s: Standing) -> str:
     return f"{_words(s.price)}{per}"
 
 
-def _curve(curve: Timeline, margin: float) -> dict[str, Any]:
+def _curve(curve: Timeline, margin: float) -> Curve:
     """The curve less the margin, its deciding step and its window."""
     values = np.where(np.abs(curve.values - margin) <= 1e-9, 0.0, curve.values - margin)
-    return {"values": short(values), "step": curve.step, "window": list(curve.window)}
+    return Curve(short(values), curve.step, curve.window)
 
 
 def _names(nodes: Iterable[Node]) -> list[str]:

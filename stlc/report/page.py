@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from html import escape
 from importlib.resources import files
 from pathlib import PurePath
@@ -75,7 +76,7 @@ def page(mission: Mission, plan: Plan) -> str:
         "step": mission.step,
         "horizon": mission.horizon,
         "scene": scene(mission, plan),
-        "needs": cards,
+        "needs": [asdict(card) for card in cards],
         "charts": charts(mission, plan),
     }
     name = PurePath(mission.source.name).name
@@ -89,7 +90,7 @@ def page(mission: Mission, plan: Plan) -> str:
         facts=" · ".join(_facts(mission, plan)),
         remarks=_remarks(found),
         horizon=mission.horizon,
-        note=_NOTE + (f" Cost: {LABEL}." if any(c["price"] for c in cards) else ""),
+        note=_NOTE + (f" Cost: {LABEL}." if any(card.price for card in cards) else ""),
         listing=listing(mission, cards),
         data=_embedded(data),
     )

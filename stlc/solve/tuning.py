@@ -92,10 +92,8 @@ class Lone(Record):
     share: float = 0.5  # of the time that is left, for all of them
     first: float = 0.5  # of that for a first look at each; agents that need more share the rest
     least: float = 1.0  # s: with less time than that it is left out; flat
-    crowd: int = (
-        12  # agents without a radio that are planned from what they do alone. In CPU s, 16:
-    )
-    # 1.8 % after 26 s with turns before; 32: no plan in 60 s
+    crowd: int = 12  # agents without a radio that are planned from what they do alone; by turns
+    # before that, 16 are at 1.8 % after 26 CPU s, and 32 have no plan in 60
 
 
 class Part(Record):
@@ -133,14 +131,10 @@ class Route(Record):
     wider: float = 1.6
     bound_share: float = 0.8  # of the time that is left: for grids of `play.py`
     known_glance: float = 5.0  # s, where a plan is known; without it maze_1 took 3.4 times as long
-    promise: float = (
-        0.8  # of what a plan costs: visits whose first look bounds less are left to the
-    )
-    # plain solve. Rounds have 0.93; frugal_narrow_passage_T40 0.74: proven in 11 s instead of a gap
-    # of 30 % after 30
-    worth: float = (
-        0.05  # of what a plan costs that beams have found, likewise: horizon_200 has 0.005
-    )
+    promise: float = 0.8  # of what a plan costs: visits whose first look bounds less are left to
+    # the plain solve. Rounds have 0.93; frugal_narrow_passage_T40 0.74: proven in 11 s instead of a
+    # gap of 30 % after 30
+    worth: float = 0.05  # likewise of a plan that beams have found: horizon_200 has 0.005
     known_share: float = 0.4  # where a plan was known before
     bound_seconds: float = 60.0
     cuts: tuple[int, ...] = (1, 3, 6, 12)  # into which the fastest move is cut, at least
@@ -224,13 +218,5 @@ class Near(Record):
     start_seconds: float = 2.0  # and at most
 
 
-BRIEF, PAIR, TEAM, DESCENTS, DIVE, LONE, PARTS = (
-    Brief(),
-    Pair(),
-    Team(),
-    Descents(),
-    Dive(),
-    Lone(),
-    Part(),
-)
-ROUTES, BOXES, TURNS, NEAR = Route(), Boxes(), Turns(), Near()
+BRIEF, PAIR, TEAM, DESCENTS, DIVE = Brief(), Pair(), Team(), Descents(), Dive()
+LONE, PARTS, ROUTES, BOXES, TURNS, NEAR = Lone(), Part(), Route(), Boxes(), Turns(), Near()

@@ -99,7 +99,7 @@ workspace box [0, 10] x [0, 10]
 agent a : single_integrator { start (1, 1); control |u| <= 0.01 }
 agent b : single_integrator { start (8, 1); control |u| <= 0.01 }
 station base at (4, 1)
-channel radio { path_loss L0 = -40 dBm, n = 2; partition 10 x 10 }
+channel radio { path_loss L0 = -40 dBm, n = 2; partition 10 x 5 }
 """
 
 

@@ -65,9 +65,9 @@ class Bounds:
         """Whether no agent moves in a way that has a bound."""
         return not self.visits and not self.gridded
 
-    def promises(self, value: float, part: float = tuning.ROUTES.promise) -> bool:
-        """Whether bounds are soon near what a plan costs, or a part of it: visits of one agent by
-        a first look."""
+    def promises(self, value: float, part: float) -> bool:
+        """Whether bounds are soon near that part of what a plan costs: visits of one agent by a
+        first look."""
         if self.gridded or len(self.visits) != 1 or not np.isfinite(value):
             return True
         for climb in self.visits.values():

@@ -27,7 +27,7 @@ def plan_routes(work: Work) -> Work | Solution:
 
     def goes_on(value: float) -> bool:
         found = known()
-        return found is None or not found.promises(value)
+        return found is None or not found.promises(value, tuning.ROUTES.promise)
 
     begun = _glanced(work, goes_on)
     if begun is None or isinstance(begun, Solution):

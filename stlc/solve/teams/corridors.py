@@ -8,7 +8,7 @@ along is made good at little cost, and a plan is bettered for all agents at once
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from stlc.backends.base import Capability, Solution, Status
 from stlc.errors import SolverError
@@ -64,7 +64,7 @@ class Corridor:
     nothing better than the incumbent; `idle`: nothing is left to try.
     """
 
-    radius: float = tuning.NEAR.radius
+    radius: float = field(default_factory=lambda: tuning.NEAR.radius)
     searched: float = 0.0
     idle: bool = False
 

@@ -68,12 +68,15 @@ def mission(seed: int, agents: int = 2) -> Mission:
     return loads(text + OBJECTIVES[int(rng.integers(len(OBJECTIVES)))] + "\n")
 
 
+SLOWER = [pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, 14)]
+
+
 def plain(compiled: Compiled) -> tuple[Status, float | None]:
     found = run_strategy("milp", compiled, HIGHS, EXACT)
     return found.status, found.objective
 
 
-@pytest.mark.parametrize("seed", range(14))
+@pytest.mark.parametrize("seed", [*range(4), *SLOWER])
 def test_the_strategy_has_the_optimum_of_the_plain_model(
     seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
