@@ -42,7 +42,7 @@ _COMMANDS = {
 }
 
 
-_OBJECTS = 50_000
+_OBJECTS = 200_000
 """New ones between two collections of the youngest. Modules and missions are hundreds of thousands
 that stay: looking at them after every 700, Python's own figure, takes a tenth of a small solve."""
 
