@@ -32,6 +32,7 @@ from stlc.sema.contacts import DEEP, PLUG, TOUCH, Contact, contact, extent
 from stlc.sema.crossings import single_points
 from stlc.sema.geometry import (
     Point,
+    area,
     contains,
     counter_clockwise,
     meeting_point,
@@ -112,8 +113,14 @@ def _near(pieces: Sequence[Polytope]) -> list[tuple[int, int]]:
 
 
 def _close(grown: list[Polytope], pair: tuple[int, int], met: Contact) -> list[Polytope]:
-    """Grow one of two touching pieces over the contact, or give a plug."""
-    for own, other in ((0, 1), (1, 0)):
+    """Grow one of two touching pieces over the contact, or give a plug.
+
+    The smaller one first, whatever their order: a motion within a step is kept behind one face of
+    each piece, which is easier the smaller they are.
+    """
+    first, second = (area(grown[k].vertices.tolist()) for k in pair)
+    ways = ((0, 1), (1, 0)) if first <= (1.0 + 1e-9) * second else ((1, 0), (0, 1))
+    for own, other in ways:
         face = met.faces[own]
         if met.length > PLUG and met.whole[own] and face is not None:
             piece = _over(grown[pair[own]], face, grown[pair[other]])
