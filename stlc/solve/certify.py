@@ -25,8 +25,9 @@ TOLERANCE = 1e-6  # absolute, for rows and bounds: what solvers promise by defau
 EXACT: dict[str, object] = {
     "primal_feasibility_tolerance": 1e-9,
     "dual_feasibility_tolerance": 1e-9,
+    "mip_feasibility_tolerance": 1e-9,
 }
-"""Options of HiGHS for a linear programme, near the least that it takes."""
+"""Options of HiGHS near the least tolerances that it takes."""
 _FRACTION = 1e-4  # beyond every solver's own integrality tolerance (1e-6 to 1e-5)
 _GROSS = 1e-4  # relative row violation that no tolerance or rounded digits explain
 

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from stlc.milp.compile import Compiled
     from stlc.mission import Mission
     from stlc.plan import Plan
+    from stlc.verify import Report
     from stlc.solve.confirm import RefutedError
 
 _INTERRUPTED = "interrupted before a plan was found"
@@ -197,7 +198,7 @@ class Job:
         for."""
         judging = Stopwatch()
         self.listen(StatusEvent("verify", "certifying the point, verifying the plan"))
-        plan, report = self.judge.accept(solution, self._options_asked())
+        solution, plan, report = self._accepted(solution)
         seconds = {**seconds, "verify": judging.seconds}
         for warning in plan.certificate.warnings:
             self.listen(DiagnosticEvent("warning", warning))
@@ -206,6 +207,24 @@ class Job:
         return self._hand_over(
             Outcome(plan, report, self.compiled, solution, seconds, confirmation)
         )
+
+    def _accepted(self, solution: Solution) -> tuple[Solution, Plan, Report]:
+        """The judged plan of a claim. Where certification refuses it, that of a plain solve to the
+        least tolerances: with integers a tolerance off, rows can be kept that no integers keep."""
+        from stlc.solve.certify import EXACT
+
+        asked = self._options_asked()
+        try:
+            return solution, *self.judge.accept(solution, asked)
+        except SolverError:
+            if self.backend.name != "highs" or self.deadline.over():
+                raise
+            model, options = self.compiled.model, self._options()
+            exact = replace(options, extra={**options.extra, **EXACT}, on_progress=None)
+            again = self._supervise(lambda o: self.backend.solve(model, o), exact)
+            if again is None or again.status not in (Status.OPTIMAL, Status.FEASIBLE):
+                raise
+            return again, *self.judge.accept(again, asked)
 
     def _hand_over(self, outcome: Outcome) -> Outcome:
         outcome = replace(outcome, refused=self._refused)

@@ -55,3 +55,15 @@ def test_two_predicates_on_a_border_take_a_cell_each(encoding):
 @pytest.mark.parametrize("encoding", EVERY)
 def test_cost_and_predicate_on_a_border_take_a_cell_each(encoding):
     assert objective(COST, encoding) == pytest.approx(40.0)
+
+
+def test_integers_a_tolerance_off_a_border_are_looked_for_again():
+    """HiGHS takes x = 0 for 1e-6 or more; its point has no plan, x = 1 has one."""
+    text = """
+        horizon 1
+        workspace box [1e-06, 4] x [0, 2]
+        agent r : single_integrator { start (1, 0); control |u| <= 1; integer }
+    """
+    plan = solve_mission(loads(text)).plan
+    assert plan.solve.status == "optimal"
+    assert plan.runs["r"].states[1, 0] >= 1.0 - 1e-6
