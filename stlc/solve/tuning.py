@@ -90,7 +90,10 @@ class Lone(Record):
 
     seconds: float = 20.0  # at most for each; flat
     share: float = 0.5  # of the time that is left, for all of them
-    first: float = 0.5  # of that for a first look at each; agents that need more share the rest
+    first: float = 0.15  # of that for a first look at each; agents that need more share the rest
+    generous: float = 2.0  # times an even share for each of these: who is proven early leaves time
+    # to the others. Even shares, half of all for the first look: none of the 8 of mastl_loop_N8,
+    # 1 to 4 CPU s each, was proven in 20, bound 3.4; now all but one or all are, bound 7.9 to 8.6
     least: float = 1.0  # s: with less time than that it is left out; flat
     crowd: int = 12  # agents without a radio that are planned from what they do alone; by turns
     # before that, 16 are at 1.8 % after 26 CPU s, and 32 have no plan in 60
@@ -186,6 +189,8 @@ class Turns(Record):
     good: float = 0.1  # gap of one. 0.5: plan of swarm_32 28 % dearer and not earlier
     rough: float = 0.5  # gap: any run will do
     fine: float = 0.02  # gap of runs beside those that agents have alone
+    beside: tuple[float, ...] = (0.05, 0.1, 0.2, 0.4)  # of the workspace: tubes around those. With
+    # the first and (0.15) alone, two of the 8 of mastl_loop_N8 had none: 23 CPU s instead of 10
     partners: int = 4  # of an agent that finds no way, to be planned with it
 
 
@@ -202,9 +207,11 @@ class Near(Record):
     pair: float = 1.0  # for two agents: as long as the best took; a whole model is hardly larger
     # than theirs, and the README's mission, proven in 4 CPU s, was searched for 9 without a limit
     moment: float = 0.5  # s, that it takes to begin with
-    joint: float = 0.4  # of that, for a plan beside what agents do alone; halved flat
+    joint: float = 0.2  # of that, for a plan beside what agents do alone, after one in turn; it
+    # brought mastl_loop_N8 and cover3_N8 nothing in twice the time
     bound: float = 0.1  # and where agents are bound to each other: what they do alone is no guide
-    alone: float = 0.5  # and to plan around that in turn
+    alone: float = 0.7  # to plan in turn near that: 8 agents of mastl_loop take 10 CPU s, 12.9
+    # instead of 17 to 19 by neighbourhoods; with half of it they fail at the last
     beside: tuple[float, ...] = (0.02, 0.035, 0.06, 0.1)  # of the workspace: tubes around that
     crowd: float = 0.9  # and of a crowd, of which tubes around a plan are too large to search
     sides: float = 0.8  # of that, with most disjunctions decided as those runs do

@@ -48,10 +48,11 @@ def lone_runs(work: Work) -> tuple[LoneRun, ...]:
     alone = {name: one for name in names if (one := _alone(work, name, pieces)) is not None}
     deadline = work.deadline.share(tuning.LONE.share)
     found: dict[str, Solution] = {}
-    for moment in (deadline.share(tuning.LONE.first), deadline):
+    looks_at = ((deadline.share(tuning.LONE.first), 1.0), (deadline, tuning.LONE.generous))
+    for moment, part in looks_at:
         todo = [n for n in alone if n not in found or found[n].status in _OPEN]
         looks = [
-            _look(work, alone[name], found.get(name), moment, len(todo) - k)
+            _look(work, alone[name], found.get(name), moment, part / (len(todo) - k))
             for k, name in enumerate(todo)
         ]
         found |= dict(zip(todo, work.crew.drive(looks), strict=True))
@@ -72,13 +73,12 @@ def _alone(work: Work, name: str, pieces: Pieces) -> Compiled | None:
 
 
 def _look(
-    work: Work, alone: Compiled, known: Solution | None, moment: Deadline, left: int
+    work: Work, alone: Compiled, known: Solution | None, moment: Deadline, part: float
 ) -> Job[Solution]:
-    """A solve of one agent alone, from the point of an earlier one; `left` of them share the
-    time."""
+    """A solve of one agent alone, from the point of an earlier one, in a part of the time."""
     start = known.x if known is not None and work.can(Capability.START) else None
     options = replace(work.options, gap=0.1 * work.options.gap, start=start)
-    limit = moment.share(min(work.crew.size / left, 1.0), tuning.LONE.seconds)
+    limit = moment.share(min(work.crew.size * part, 1.0), tuning.LONE.seconds)
     return _better(known, (yield Ask(alone.model, work.backend, options, limit)))
 
 

@@ -20,6 +20,7 @@ from stlc.solve.crew.ask import Ask
 from stlc.solve.crew.crew import Crew, Job
 from stlc.solve.deadline import Deadline
 from stlc.solve.mip_start import hold
+from stlc.solve.routes.tube import tube
 from stlc.solve.strategy import Work
 from stlc.solve.teams.couplings import Couplings
 from stlc.solve.teams.held import against
@@ -42,11 +43,14 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Effort:
-    """How hard to look: until the deadline, to within a gap, or for any runs at all."""
+    """How hard to look: until the deadline, to within a gap, or for any runs at all; and where:
+    within a radius [m] of known runs, if one is given."""
 
     deadline: Deadline
     gap: float = 0.0
     any_run: bool = False
+    near: Runs | None = None
+    radius: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -112,6 +116,9 @@ class Answers:
         except InfeasibleError:
             return Answer(None, nothing, settled=True)
         team = bounded(team, [one for one in self.lone if one.agent in free])
+        if effort.near is not None:
+            states = {name: effort.near[name][0] for name in free}
+            team = replace(team, model=tube(team, states, effort.radius))
         start = yield from self._start(team, runs, effort)
         options = replace(self.options, gap=effort.gap, start=start)
         found = yield Ask(team.model, self.backend, options, effort.deadline, effort.any_run)

@@ -89,14 +89,20 @@ class Improvement:
         alone = {one.agent: one.run for one in self.work.lone if one.run is not None}
         if not alone or self._take(alone, "agents alone"):
             return
-        if alone.keys() >= self.work.compiled.states.keys():
-            bound = any(Couplings.of(self.work.compiled).bound.values())
+        bound = any(Couplings.of(self.work.compiled).bound.values())
+        complete = alone.keys() >= self.work.compiled.states.keys()
+        if complete and not bound:
+            self._plan_in_turn(alone)
+        if complete and not (self.work.x is not None and self._is_near()):
             crowd = len(alone) >= tuning.LONE.crowd
             free = tuning.NEAR.crowd if crowd else tuning.NEAR.joint
             part = tuning.NEAR.bound if bound else free
             self.work = beside(self.work, alone, self.deadline.share(part))
-        if self.work.x is not None:
-            return
+        if self.work.x is None:
+            self._plan_in_turn(alone)
+
+    def _plan_in_turn(self, alone: Mapping[str, Run]) -> None:
+        """A plan of one agent after the other, near what each does alone."""
         deadline = self.deadline.share(tuning.NEAR.alone)
         runs = Turns(Answers.of(self.work), deadline, alone).plan(list(self.work.compiled.states))
         if runs is not None:

@@ -18,6 +18,7 @@ from stlc.solve import tuning
 from stlc.solve.crew.crew import Job
 from stlc.solve.deadline import Deadline
 from stlc.solve.strategy import Work
+from stlc.solve.teams.corridors import extent
 from stlc.solve.teams.answers import Answer, Answers, Effort, Runs
 from stlc.solve.teams.whole import completed
 
@@ -75,10 +76,28 @@ class Turns:
     def _any(self, free: Sequence[str], runs: Runs) -> Answer:
         return self.answers.crew.drive([self._finding(free, runs, frozenset())])[0]
 
+    def _beside(self, free: Sequence[str], runs: Runs, met: frozenset[str]) -> Job[Answer]:
+        """Runs near those that agents have alone, in wider and wider tubes; good ones but in the
+        widest, where any will do."""
+        near, size = tuning.TURNS.beside, extent(self.answers.compiled)
+        answer = Answer(None, met, settled=False)
+        for part in near:
+            moment = self.deadline.share(tuning.TURNS.share, tuning.TURNS.brief)
+            effort = Effort(moment, tuning.TURNS.good, part == near[-1], self.alone, part * size)
+            answer = yield from self.answers.finding(free, runs, effort, answer.met)
+            if answer.runs is not None:
+                break
+        return answer
+
     def _finding(self, free: Sequence[str], runs: Runs, met: frozenset[str]) -> Job[Answer]:
         """In a crowd a good run for an agent that nobody is bound to: ones that wander get into
         others' way. Else, or where that takes long, any run (a good one beside those that agents
-        have alone)."""
+        have alone, and near those if any is)."""
+        if self.alone.keys() >= set(free):
+            answer = yield from self._beside(free, runs, met)
+            if answer.runs is not None or len(free) > 1:
+                return answer
+            met = answer.met
         moment = self.deadline.share(tuning.TURNS.share, tuning.TURNS.seconds)
         find, rough = self.answers.finding, not self.alone
         bound = self.answers.couplings.bound
