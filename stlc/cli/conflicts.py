@@ -132,7 +132,7 @@ def _diagnostic(conflict: Conflict, told: str) -> Diagnostic:
 def _notes(conflict: Conflict, told: str) -> list[Note]:
     """The cause, the other members, and what is known of the proof."""
     from stlc.explain.words import clause, parts_of, said
-    from stlc.solve.blame import FACES
+    from stlc.solve.blame import FACES, STEPS
 
     rest = list(zip(conflict.clauses[1:], conflict.spans[1:], strict=True))
     remarks = [Note(f"cause: {conflict.cause.text}")] if conflict.cause.text else []
@@ -150,6 +150,8 @@ def _notes(conflict: Conflict, told: str) -> list[Note]:
         remarks.append(Note("the partition is the cause: points of its cells may have a plan"))
     if conflict.by_faces:
         remarks.append(Note(FACES))
+    if conflict.by_steps:
+        remarks.append(Note(STEPS))
     if not conflict.minimal:
         remarks.append(Note("the set may not be minimal: some proofs hit the time limit"))
     if not told or told not in conflict.confirmation:

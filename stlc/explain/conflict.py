@@ -24,7 +24,7 @@ from stlc.explain.oracle import Oracle, Question, Verdict, channels_of
 from stlc.explain.whole import begin
 from stlc.explain.words import clause, place, steps_of
 from stlc.ir.requirement import Requirement
-from stlc.ir.rewrite import measures
+from stlc.ir.rewrite import keeps_to_faces, measures
 from stlc.milp.compile import CompileOptions
 from stlc.mission import Bound, Mission, PolygonKind
 from stlc.solve.bounded import by_deadline
@@ -68,6 +68,12 @@ class Conflict:
         return self.rounded or any(measures(c.formula) for c in self.clauses)
 
     @property
+    def by_steps(self) -> bool:
+        """Whether a member is `swept` and holds by one alternative for a step: a run that takes
+        several in one may be there still."""
+        return any(keeps_to_faces(c.formula) for c in self.clauses)
+
+    @property
     def spans(self) -> tuple[Span | None, ...]:
         """Where the clauses stand."""
         return tuple(c.formula.span or c.span for c in self.clauses)
@@ -90,6 +96,7 @@ class Conflict:
             "agents": list(self.agents),
             "minimal": self.minimal,
             "polygons": self.by_faces,
+            "steps": self.by_steps,
             "partition": None if self.by_cells is None else self.by_cells.value,
             "proof": self.confirmation,
         }

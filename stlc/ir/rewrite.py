@@ -79,6 +79,13 @@ def measures(root: Node) -> bool:
     return any(node.norms is not None for node in postorder([root]))
 
 
+def keeps_to_faces(root: Node) -> bool:
+    """Whether a formula asks for alternatives over a time between steps: one of them holds through
+    all of it there, where a run may take one after the other."""
+    swept = (node for node in postorder([root]) if node.swept is not None)
+    return any(isinstance(part, Or) for node in swept for part in postorder([node]))
+
+
 def named(node: Node) -> frozenset[str]:
     """Owners of a predicate's signals, ends of a link; nobody for any other node."""
     match node:

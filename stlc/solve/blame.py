@@ -39,6 +39,13 @@ FACES = (
 )
 
 
+STEPS = (
+    "what is `swept` is planned behind one face of each place for a step, and one that moves and "
+    "changes its shape by the hull of both frames: a run that rounds a corner within a step may "
+    "exist; a shorter `step` comes nearer"
+)
+
+
 def remedy(bound: Bound, finer: str = "") -> str:
     """What to try where cells, by their bound, are what rules a link out."""
     such = f" (`{finer}`)" if finer else ""

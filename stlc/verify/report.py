@@ -13,7 +13,7 @@ from stlc.sense import Sense
 from stlc.source import Span
 from stlc.verify.preference_report import PreferenceReport
 from stlc.verify.requirement_report import RequirementReport as RequirementReport
-from stlc.verify.requirement_report import is_tight, slack_of, tight_words
+from stlc.verify.requirement_report import by_motion, is_tight, slack_of, tight_words
 
 _TOUCH = 1e-6  # m: what is nearer touches, by the tolerance that requirements are judged with
 
@@ -187,7 +187,8 @@ def _further(r: RequirementReport) -> str:
     if r.true is not None and r.robustness is not None:
         parts.append(f"at true positions {tidy(r.true)}")
     if r.swept is not None:
-        parts.append(f"in continuous time {tidy(r.swept)}")
+        counts = ", which counts" if by_motion(r) else ""
+        parts.append(f"in continuous time {tidy(r.swept)}{counts}")
     if r.corners is not None:
         parts.append(f"by the corners in the file {tidy(r.corners)}")
     return f"  [{', '.join(parts)}]" if parts else ""

@@ -205,3 +205,27 @@ require film: delivered(r, base) >= 215 Mbit
     )
     with pytest.raises(Blamed, match=r"`delivered\(r, base\) >= 215 Mbit` is out of reach$"):
         compile_or_blame(loads(text))
+
+
+CORNER = """
+step 1 s
+horizon 1
+workspace box [0, 10] x [0, 10]
+agent a : single_integrator { start (3.5, 4.6); control |u| <= 3 }
+obstacle o = box [4, 6] x [4, 5]
+require c: always a outside o {swept}
+require r: always[end] (|a.x - {x}| <= 0.01 and |a.y - 5.6| <= 0.01)
+"""
+
+
+def test_a_corner_that_a_run_might_round_within_a_step_is_told_of() -> None:
+    """(3.5, 4.6) to (4.6, 5.6) is 4 cm clear of the corner (4, 5), but behind no face throughout."""
+    found = explain(loads(CORNER.replace("{swept}", "swept").replace("{x}", "4.6")))
+    assert isinstance(found, Conflict)
+    assert found.by_steps
+
+
+def test_a_conflict_at_the_steps_speaks_of_no_corner() -> None:
+    found = explain(loads(CORNER.replace("{swept}", "").replace("{x}", "7.5")))
+    assert isinstance(found, Conflict)
+    assert not found.by_steps
