@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     from stlc.milp.compile import Compiled
     from stlc.mission import Mission
     from stlc.plan import Plan
-    from stlc.verify import Report
     from stlc.solve.confirm import RefutedError
+    from stlc.verify import Report
 
 _INTERRUPTED = "interrupted before a plan was found"
 

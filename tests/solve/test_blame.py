@@ -219,7 +219,7 @@ require r: always[end] (|a.x - {x}| <= 0.01 and |a.y - 5.6| <= 0.01)
 
 
 def test_a_corner_that_a_run_might_round_within_a_step_is_told_of() -> None:
-    """(3.5, 4.6) to (4.6, 5.6) is 4 cm clear of the corner (4, 5), but behind no face throughout."""
+    """(3.5, 4.6) to (4.6, 5.6) is 4 cm clear of the corner (4, 5), but behind no face all along."""
     found = explain(loads(CORNER.replace("{swept}", "swept").replace("{x}", "4.6")))
     assert isinstance(found, Conflict)
     assert found.by_steps

@@ -18,8 +18,8 @@ from stlc.solve import tuning
 from stlc.solve.crew.crew import Job
 from stlc.solve.deadline import Deadline
 from stlc.solve.strategy import Work
-from stlc.solve.teams.corridors import extent
 from stlc.solve.teams.answers import Answer, Answers, Effort, Runs
+from stlc.solve.teams.corridors import extent
 from stlc.solve.teams.whole import completed
 
 
