@@ -42,12 +42,17 @@ KEPT = CHECKOUT / "out" / "tuning.ndjson"
 PLAN = {
     "BRIEF": ("teams/team_2", "teams/radio_team_2"),
     "PAIR": ("two_agents_t8", "headline/rssi_a2_t8_c10"),
-    "TEAM": ("headline/links_a3_t8_c10_s0",),
+    "TEAM": ("three_agents_t4", "headline/links_a3_t8_c10_s0"),
     "DIVE": ("stlpy/door_puzzle_N2_T25", "stlpy/multitarget_o3_g4_t2_T30_s1"),
     "LONE": ("teams/team_3", "teams/team_4"),
     "TURNS": ("teams/team_5", "headline/prr_a3_t12_c10"),
     "NEAR": ("teams/team_4", "teams/team_5"),
-    "ROUTES": ("long/maze_1", "published/stlp_rover-1", "published/stlp_doorpuzzle-1"),
+    "ROUTES": (
+        "long/maze_1",
+        "long/frugal_door_puzzle_N1_T20",
+        "long/rounds_40",
+        "published/stlp_rover-1",
+    ),
 }
 """Record -> missions of benchmarks/missions whose search reads it."""
 

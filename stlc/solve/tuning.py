@@ -33,7 +33,11 @@ class Pair(Record):
 
 
 class Team(Record):
-    """`bounders/team.py`: more than two agents."""
+    """`bounders/team.py`: more than two agents.
+
+    On `three_agents_t4` (4.8 CPU s, proven) each number halved and doubled is flat where nothing
+    else is said: most of a small team goes to the solver at once.
+    """
 
     leaf_pairs: int = 2500  # cell pairs that go to the solver when no choice is open
     open_leaf_pairs: int = 900  # and when one is
@@ -41,15 +45,14 @@ class Team(Record):
     coarse_cells: int = 144  # merged grid of the first prices; doubled: bound +1.5 % after 10 s
     rate_bins: int = 2  # at nodes without a choice
     coarse_rounds: int = 12  # of prices; bound flat
-    root_rounds: int = 30  # halved: bound -0.7 % after 10 s, doubled: +0.7 %
+    root_rounds: int = 30  # halved: bound -0.7 % after 10 s, doubled: +0.7 %, 1.2 the small team's
     rounds: int = 8
-    momentum: float = 0.7
+    momentum: float = 0.7  # halved 1.1 the time, doubled flat
     first_step: float = 0.02  # of the bound: the first step of the potentials
     later_step: float = 0.05  # of the gap
-    climb_seconds: float = 20.0
-    leaf_seconds: float = 30.0
-    dive_seconds: float = 8.0
-    polish_seconds: float = 10.0
+    climb_seconds: float = 20.0  # of prices at one node, at most
+    leaf_seconds: float = 30.0  # of the solver, for what is small
+    dive_seconds: float = 8.0  # for better plans: near a node's best runs, or near the plan
     fine_states: int = 60_000  # pairs of states at a step: more are not refined
     border_states: int = 30_000  # and where borders do not become cells, which makes 10 times more
     plunge_every: int = 8  # nodes
@@ -113,9 +116,14 @@ class Part(Record):
 
 
 class Route(Record):
-    """`routes/`: runs by beams over states and progress, plans near them."""
+    """`routes/`: runs by beams over states and progress, plans near them.
 
-    glance: float = 1.0  # s of a plain solve ahead of it all
+    On `long/maze_1` (grids, 3.1 CPU s, proven) each number halved and doubled is flat where nothing
+    else is said; `benchmarks/results/tuning.txt` has other missions for some.
+    """
+
+    glance: float = 1.0  # s of a plain solve ahead of it all; frugal_door_puzzle_N1_T20, which that
+    # proves, took 2.3 times as long with half of it, doubled flat
     share: float = 0.3  # of the time that is left: for the glance, for a first plan
     seconds: float = 25.0  # for a first plan
     efforts: tuple[tuple[int, int, float, float], ...] = (
@@ -124,16 +132,16 @@ class Route(Record):
         (8000, 4, 0.2, 2.0),
     )  # width, parts, miss, greed  # fmt: skip
     repair: tuple[float, ...] = (0.6, 2.0)  # cells: radius of a tube around a run
-    repair_seconds: float = 3.0
+    repair_seconds: float = 3.0  # for a plan within a tube, around a run or the plan
     rough: float = 0.05  # gap of a repair
     better_share: float = 0.25  # of the time that is left
     better_seconds: float = 15.0
-    tube_seconds: float = 3.0
     first_radius: float = 0.05  # of the workspace
     least_radius: float = 0.01
     wider: float = 1.6
     bound_share: float = 0.8  # of the time that is left: for grids of `play.py`
-    known_glance: float = 5.0  # s, where a plan is known; without it maze_1 took 3.4 times as long
+    known_glance: float = 5.0  # s, where a plan is known; halved 0.85 the time of maze_1, which
+    # without it took 3.4 times as long
     promise: float = 0.8  # of what a plan costs: visits whose first look bounds less are left to
     # the plain solve. Rounds have 0.93; frugal_narrow_passage_T40 0.74: proven in 11 s instead of a
     # gap of 30 % after 30

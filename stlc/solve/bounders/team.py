@@ -228,7 +228,7 @@ class Tree:
 
     def _polish(self) -> None:
         """Free two agents at a time around the incumbent, until all pairs bring nothing."""
-        session, until = self.session, self.session.seconds + tuning.TEAM.polish_seconds
+        session, until = self.session, self.session.seconds + tuning.TEAM.dive_seconds
         cell = min(float(np.diff(e).max()) for e in self.problem.edges)
         agents = len(self.problem.bodies)
         idle = 0

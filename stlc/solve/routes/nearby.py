@@ -44,7 +44,7 @@ def bettered(work: Work, share: float) -> Work | Solution:
     while not deadline.over() and not work.proven():
         assert work.x is not None
         near = tube(work.compiled, work.compiled.decode(work.x).states, radius)
-        most = min(deadline.left, tuning.ROUTES.tube_seconds)
+        most = min(deadline.left, tuning.ROUTES.repair_seconds)
         found = solved(work, near, most, work.options.gap)
         if found is None:
             return work
