@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from stlc.backends.base import Solution
 from stlc.solve import tuning
-from stlc.solve.deadline import Deadline
 from stlc.solve.routes.finder import Effort, Routes
 from stlc.solve.routes.motion_bounds import Bounds
 from stlc.solve.routes.nearby import FINDER, bettered, polished, solved
@@ -53,12 +52,19 @@ def _visiting(work: Work, bounds: Bounds) -> Work:
 
 
 def _first_plan(work: Work, bounds: Bounds | None) -> Work | Solution:
-    """Beams of growing effort, after a few of them grids where agents are such."""
+    """Runs of grids where agents are such, of one ahead of all and of a team after a few beams;
+    beams of growing effort."""
     deadline = work.deadline.share(tuning.ROUTES.share, tuning.ROUTES.seconds)
     routes = Routes.of(work.compiled, deadline.over)
+    gridded = bounds if bounds is not None and bounds.gridded else None
+    few = tuning.ROUTES.first_efforts
+    first = 0 if len(work.compiled.states) == 1 else few
     for number, effort in enumerate(tuning.ROUTES.efforts):
-        if number == tuning.ROUTES.first_efforts and bounds is not None and bounds.gridded:
-            found = _by_grids(work, bounds, deadline)
+        if gridded is not None and number == first:
+            work = gridded.guided(work, deadline.over)
+        known = work.x is not None or deadline.over()
+        if gridded is not None and number == few and not known:
+            found = gridded.better(work, tuning.ROUTES.grid_share)
             if isinstance(found, Solution):
                 return found
             work = found
@@ -66,14 +72,6 @@ def _first_plan(work: Work, bounds: Bounds | None) -> Work | Solution:
             break
         work = _beamed(work, routes, Effort(*effort))
     return work
-
-
-def _by_grids(work: Work, bounds: Bounds, deadline: Deadline) -> Work | Solution:
-    """A plan near runs of grids that are found soon, else near those that bounds are of."""
-    found = bounds.guided(work, deadline.over)
-    if found.x is not None or deadline.over():
-        return found
-    return bounds.better(found, tuning.ROUTES.grid_share)
 
 
 def _beamed(work: Work, routes: Routes, effort: Effort) -> Work:
