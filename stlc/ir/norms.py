@@ -28,3 +28,9 @@ class Norms:
     rest: Sum
     lengths: tuple[tuple[float, tuple[Sum, ...]], ...]
     unit: str = ""
+
+    def negated(self) -> Norms:
+        """That of the opposite number."""
+        terms = tuple((signal, -factor) for signal, factor in self.rest.terms)
+        lengths = tuple((-factor, parts) for factor, parts in self.lengths)
+        return Norms(Sum(terms, -self.rest.constant), lengths, self.unit)

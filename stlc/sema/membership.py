@@ -68,6 +68,13 @@ def swept_membership(claim: Membership, scope: Scope) -> Node:
     return _relate(subject, place, changed(expr, swept=True), scope)
 
 
+def opposite(claim: Membership, scope: Scope) -> Node:
+    """`outside` for an `in` that the mission states at the steps, and the other way round."""
+    subject, place, expr = scope.asked[claim]
+    relation = "outside" if expr.relation == "in" else "in"
+    return _relate(subject, place, changed(expr, relation=relation), scope)
+
+
 def _is_point(items: Items) -> bool:
     return len(items.items) in (2, 3) and all(isinstance(i, Scalar) for i in items.items)
 

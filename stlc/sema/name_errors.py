@@ -27,14 +27,16 @@ class Redeclared(Diagnostic):
     """Two declarations, or two requirements, have the same name.
 
     All declarations share one space of names, so that `goal` means one thing wherever it stands.
-    Requirements have a space of their own.
+    Requirements have a space of their own. Properties of a block and frames of a moving obstacle
+    are given once too.
     """
 
     code: ClassVar[str] = "E0202"
     title: ClassVar[str] = "`{name}` is declared twice"
     label: ClassVar[str] = "declared again here"
-    help: ClassVar[str] = "rename one of the two"
+    help: ClassVar[str] = "{hint}"
     name: str
+    hint: str = "rename one of the two"
 
 
 class WrongKind(Diagnostic):

@@ -9,7 +9,7 @@ import numpy as np
 
 from stlc.mission import Array
 from stlc.sema.name_errors import BadProperty, Redeclared, UnknownProperty
-from stlc.sema.report import Mistake, nearest, suggested_fix, suggestion
+from stlc.sema.report import Mistake, nearest, suggested_fix, suggestion, with_note
 from stlc.sema.scope import EMPTY, Scope, as_scalar, wrong_unit
 from stlc.sema.shape_errors import MatrixShape
 from stlc.sema.units import Unit
@@ -40,7 +40,8 @@ def block(
         if key not in known:
             scope.report.add(unknown_property(owner, item, known))
         elif key in by_key:
-            scope.report.add(Redeclared(span=item.key.span, name=key))
+            twice = Redeclared(span=item.key.span, name=key, hint="leave one of the two out")
+            scope.report.add(with_note(twice, "declared here before", by_key[key].key.span))
         else:
             by_key[key] = item
     return Block(owner, by_key)

@@ -14,8 +14,8 @@ from stlc.sema.clock import steps
 from stlc.sema.decompose import PolygonError, decompose
 from stlc.sema.files import Files
 from stlc.sema.geometry import Point
-from stlc.sema.name_errors import NotHere, TooLarge, WrongKind
-from stlc.sema.report import Mistake, Reported
+from stlc.sema.name_errors import NotHere, Redeclared, TooLarge, WrongKind
+from stlc.sema.report import Mistake, Reported, with_note
 from stlc.sema.scope import Scope
 from stlc.sema.shape_errors import BadPolygon, EmptyBox, FarAway
 from stlc.sema.space_errors import NotInSpace
@@ -74,7 +74,7 @@ class Shaper:
             velocity = self._pair(statement.velocity, SPEED, "a velocity `(vx, vy)`")
         if not isinstance(shape, ast.Moving):
             return Track(((0, self.outlines(shape)),), velocity=velocity)
-        known = {steps(time, self.scope): self.outlines(part) for time, part in shape.frames}
+        known = self._frames(shape)
         if 0 not in known:
             hint = "say where it is at first: `moving { 0: box .. ; .. }`"
             raise Mistake(NotHere(span=shape.span, problem="nothing is said of step 0", hint=hint))
@@ -86,6 +86,19 @@ class Shaper:
                     hint = "give the same corners in every frame, or leave out `linear`"
                     raise Mistake(NotHere(span=shape.span, problem=problem, hint=hint))
         return Track(frames, shape.linear, velocity)
+
+    def _frames(self, shape: ast.Moving) -> dict[int, tuple[Outline, ...]]:
+        """The polygons of each step that is given, each once."""
+        known: dict[int, tuple[Outline, ...]] = {}
+        places: dict[int, Span] = {}
+        for time, part in shape.frames:
+            step, outlines = steps(time, self.scope), self.outlines(part)
+            if step in known:
+                hint = "a moving obstacle has one frame a step: leave one of the two out"
+                twice = Redeclared(span=time.span, name=f"step {step}", hint=hint)
+                raise Mistake(with_note(twice, "its frame before this one", places[step]))
+            known[step], places[step] = outlines, time.span
+        return known
 
     def box(self, shape: ast.Box) -> Outline:
         """An axis-aligned box."""

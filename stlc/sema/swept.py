@@ -126,6 +126,8 @@ def _degree(signal: Signal, part: Part, scope: Scope, span: Span) -> int:
 
 def separation_claim(node: Node, scope: Scope) -> Swept | None:
     """What a separation says of the motion, read off its four half-planes; None for the rest."""
+    if node.norms is not None:
+        return None
     leaves = _alternatives(node)
     gaps = [_gap(leaf, scope) for leaf in leaves]
     found = {(gap[2], gap[3]): gap for gap in gaps if gap is not None}

@@ -65,5 +65,7 @@ def _check_floor(agent: Agent, moves: Curve, statement: ast.Workspace, scope: Sc
         return
     if known_degree(moves, agent, [int(np.argmax(row))], statement.span) > 1:
         problem = f"floor and ceiling hold for `{agent.name}` at the steps only"
-        hint = "leave them out and ask for `always (0 m <= a.z <= 9 m) swept`, or say `sampled`"
+        low, high = (f"{end:.10g} m" for end in scope.space_levels)
+        within = f"always ({low} <= {agent.name}.z <= {high}) swept"
+        hint = f"leave them out and ask for `{within}`, or say `sampled`"
         raise Mistake(NotInSpace(span=statement.shape.span, problem=problem, hint=hint))

@@ -36,9 +36,14 @@ class Runs:
 
 
 def is_noisy(agent: Agent) -> bool:
-    """Whether the mission declares any noise of this agent."""
+    """Whether the mission declares any noise or disturbance of this agent."""
+    return agent.tube is not None or has_noise(agent)
+
+
+def has_noise(agent: Agent) -> bool:
+    """Whether its start or its inputs are drawn with standard deviations."""
     noises = (agent.start_noise, agent.input_noise)
-    return agent.tube is not None or any(s is not None and s.any() for s in noises)
+    return any(s is not None and s.any() for s in noises)
 
 
 def draw_runs(mission: Mission, plan: Plan, draws: int, rng: np.random.Generator) -> Runs:

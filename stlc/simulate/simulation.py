@@ -18,7 +18,7 @@ from stlc.plan import Plan
 from stlc.preferences import Measure, Preference
 from stlc.simulate.estimate import Estimate, Simulation, interval
 from stlc.simulate.radio import draw_packets
-from stlc.simulate.runs import Runs, draw_runs, is_noisy
+from stlc.simulate.runs import Runs, draw_runs, has_noise, is_noisy
 from stlc.verify.requirements import swept_override
 from stlc.verify.robots import drives
 from stlc.verify.robustness import TOLERANCE, Evaluator, unit
@@ -179,6 +179,19 @@ def _driven(mission: Mission, plan: Plan) -> Iterator[str]:
         )
 
 
+def _shaken(mission: Mission, names: set[str]) -> Iterator[str]:
+    """What shakes agents, and whether feedback brings them back to their plans."""
+    steered = {name for name in names if mission.agents[name].tube is not None}
+    noisy = {name for name in steered if has_noise(mission.agents[name])}
+    for some, what in (
+        (names - steered, "noise, and the plan as it stands, without feedback"),
+        (steered - noisy, "disturbances, half of them as large as they get, under feedback"),
+        (noisy, "noise and disturbances, half of these as large as they get, under feedback"),
+    ):
+        if some:
+            yield f"{what}: {', '.join(sorted(some))}"
+
+
 def _notes(mission: Mission, plan: Plan, formulas: list[Node], fading: bool) -> Iterator[str]:
     """What a reader should know of how the draws were made."""
     nodes = [node for formula in formulas for node in walk(formula)]
@@ -186,8 +199,7 @@ def _notes(mission: Mission, plan: Plan, formulas: list[Node], fading: bool) -> 
         what = "of one packet a step and direction" if fading else "of the mean of many packets"
         yield f"links are {what}, channels drawn jointly over pairs and steps"
     shaken = {name for name, agent in mission.agents.items() if is_noisy(agent)}
-    if shaken:
-        yield f"noise, and the plan as it stands, without feedback: {', '.join(sorted(shaken))}"
+    yield from _shaken(mission, shaken)
     yield from _driven(mission, plan)
     if any(n.swept is not None and _movers(n) & shaken for n in nodes):
         yield "`swept` of noisy agents is judged by what is sufficient: it holds at least as often"

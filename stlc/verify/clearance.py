@@ -31,24 +31,30 @@ SURE = 2.0 * DISC
 
 
 def outside(
-    chain: Chain, body: Body, space: Polytope | None = None, levels: Levels = EVERY
+    chain: Chain,
+    body: Body,
+    space: Polytope | None = None,
+    levels: Levels = EVERY,
+    steps: int | None = None,
 ) -> Extremum:
     """Euclidean distance to a body in each step (T+1,) [m]; negative: how deep inside.
 
-    It lies between `levels` of height, inflation included.
+    Of `steps`, only in that many (at least in one): what moves on comes nearer after a plan's end.
+    The body lies between `levels` of height, inflation included.
     With a workspace, what touches its border is closed there. Exact in steps that come nearest of
     all or near; in others it is a lower bound, within the sagitta of the rough chain.
     """
+    count = len(chain.rows) if steps is None else max(steps, 1)
     if levels != EVERY:
-        rows = [_of_prism(chain, t, body, space, levels) for t in range(len(chain.rows))]
+        rows = [_of_prism(chain, t, body, space, levels) for t in range(count)]
         values, where = np.array(rows).T
-        return Extremum(values - chain.room, where)
-    value, where = chain.least(body) - body.grow, np.zeros(len(chain.rows))
+        return Extremum(values - chain.room[:count], where)
+    value, where = (chain.least(body) - body.grow)[:count], np.zeros(count)
     finite = np.isfinite(value)
-    known = (value[finite] + 2.0 * chain.stray[finite]).min(initial=np.inf)
+    known = (value[finite] + 2.0 * chain.stray[:count][finite]).min(initial=np.inf)
     for t in np.flatnonzero(value <= max(SURE, float(known))):
         value[t], where[t] = _of_step(chain, int(t), body, space, bool(value[t] > SURE))
-    return Extremum(value - chain.room, where)
+    return Extremum(value - chain.room[:count], where)
 
 
 def _of_step(

@@ -1,20 +1,24 @@
 """`swept` conditions on states and inputs of any agents, in continuous time.
 
-A condition is a minimum and maximum of linear forms of signals; along the paths of the states each
-form is quadratic on every piece, so that its extrema are exact (`continuous.py`).
+A condition is a minimum and maximum of linear forms of signals and of Euclidean lengths of such;
+along the paths of the states each form is quadratic on every piece, so that its extrema are exact
+(`continuous.py`), and those of lengths are known to within 1e-7 (`lengths.py`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import hypot
 
 import numpy as np
 
-from stlc.ir.nodes import And, Const, Linear, Node, Or, Role, Timed
+from stlc.ir.nodes import Linear, Node, Role, Timed, walk
+from stlc.ir.norms import Norms, Sum
 from stlc.plan import Run
-from stlc.verify.continuous import Combine, extremum
+from stlc.verify.continuous import extremum
+from stlc.verify.lattice import Atom, Combine, atoms, combination, lattice
+from stlc.verify.lengths import Curve, least
 from stlc.verify.paths import Array, Path
 from stlc.verify.sway import Quadratic
 
@@ -50,22 +54,65 @@ class Motions:
         return np.concatenate([np.empty(0), *parts])
 
     def _frame(self, condition: Node, steps: slice) -> Array:
-        leaves = list(_leaves(condition))
-        c0, c1, c2, error = self._forms(leaves, steps)
-        found = extremum(
-            c0, c1, c2, _combine(condition, {leaf: k for k, leaf in enumerate(leaves)})
-        )
+        """Least robustness (steps,) of a condition that stays the same over some steps."""
+        whole = lattice(condition, self._exact)
+        found = tuple(dict.fromkeys(atoms(whole)))
+        combine = combination(whole, {atom: k for k, atom in enumerate(found)})
+        if any(isinstance(atom.form, Norms) for atom in found):
+            value, error = self._along(found, combine, steps)
+        else:
+            c0, c1, c2, error = self._forms(found, steps)
+            value = extremum(c0, c1, c2, combine).value
         worst = error.max(axis=1, initial=0.0)
-        return np.asarray((found.value - worst).reshape(-1, self.pieces).min(axis=1))
+        return np.asarray((value - worst).reshape(-1, self.pieces).min(axis=1))
 
-    def _forms(self, leaves: list[Linear], steps: slice) -> Forms:
-        """Coefficients c0, c1, c2 and error (pieces, leaves) of each predicate as a quadratic of
-        time over every piece of these steps."""
+    def _exact(self, norms: Norms) -> bool:
+        """Whether all who take part in lengths are on their paths; else their faces are judged."""
+        sums = (norms.rest, *(part for _, parts in norms.lengths for part in parts))
+        owners = {signal.owner for part in sums for signal, _ in part.terms}
+        return not any(o in self.radii or self.paths[o].sways for o in owners)
+
+    def _along(self, found: Sequence[Atom], combine: Combine, steps: slice) -> tuple[Array, Array]:
+        """Least values (pieces,) of what lengths take part in, and errors (pieces, atoms)."""
+        made = [self._curve(atom, steps) for atom in found]
         rows = (steps.stop - steps.start) * self.pieces
-        out = tuple(np.zeros((rows, len(leaves))) for _ in range(4))
-        for k, leaf in enumerate(leaves):
-            out[0][:, k] = leaf.constant - self._off(leaf)
-            for signal, weight in leaf.terms:
+        value = least([curve for curve, _ in made], combine, rows)
+        return value, np.column_stack([error for _, error in made])
+
+    def _curve(self, atom: Atom, steps: slice) -> tuple[Curve, Array]:
+        """An atom's number along the motion, and what it may be off by (pieces,)."""
+        if isinstance(atom.form, Linear):
+            *rest, error = (part[:, 0] for part in self._forms([atom], steps))
+            return Curve(np.stack(rest)), error
+        sign, lengths = 1.0 if atom.positive else -1.0, []
+        *rest, error = self._parts([atom.form.rest], steps)
+        error = error[:, 0]
+        for factor, components in atom.form.lengths:
+            *parts, off = self._parts(components, steps)
+            lengths.append((sign * factor, np.stack(parts)))
+            error = error + abs(factor) * np.linalg.norm(off, axis=1)
+        return Curve(sign * np.stack(rest)[..., 0], tuple(lengths)), error
+
+    def _forms(self, found: Sequence[Atom], steps: slice) -> Forms:
+        """`_parts` of predicates, each by its sign and less what it may be off by."""
+        forms = [atom.form for atom in found if isinstance(atom.form, Linear)]
+        signs = np.array([1.0 if atom.positive else -1.0 for atom in found])
+        *parts, error = self._parts(forms, steps)
+        c0, c1, c2 = (part * signs for part in parts)
+        for k, leaf in enumerate(forms):
+            c0[:, k] -= self._off(leaf)
+            for into, off in zip((c0, c1, c2), self._swayed(leaf, steps), strict=True):
+                into[:, k] -= off
+        return c0, c1, c2, error
+
+    def _parts(self, forms: Sequence[Linear | Sum], steps: slice) -> Forms:
+        """Coefficients c0, c1, c2 and error (pieces, forms) of each as a quadratic of time over
+        every piece of these steps."""
+        rows = (steps.stop - steps.start) * self.pieces
+        out = tuple(np.zeros((rows, len(forms))) for _ in range(4))
+        for k, form in enumerate(forms):
+            out[0][:, k] = form.constant
+            for signal, weight in form.terms:
                 at = slice(steps.start + signal.shift, steps.stop + signal.shift)
                 if signal.role is Role.INPUT:
                     values = self.runs[signal.owner].inputs[at, signal.index]
@@ -77,8 +124,6 @@ class Motions:
                     into[:, k] += weight * part[on, signal.index]
                 if path.error is not None:
                     out[3][:, k] += abs(weight) * path.error[on, signal.index]
-            for into, off in zip(out, self._swayed(leaf, steps), strict=False):
-                into[:, k] -= off
         return out[0], out[1], out[2], out[3]
 
     def _swayed(self, leaf: Linear, steps: slice) -> Quadratic:
@@ -111,29 +156,4 @@ class Motions:
 
 def _leaves(node: Node) -> Iterator[Linear]:
     """The distinct predicates of a condition."""
-    seen: dict[Linear, None] = {}
-    todo = [node]
-    while todo:
-        part = todo.pop()
-        if isinstance(part, Linear):
-            seen[part] = None
-        todo.extend(part.children)
-    return iter(seen)
-
-
-def _combine(node: Node, index: Mapping[Linear, int]) -> Combine:
-    """The condition as a function of its predicates' values (.., leaves)."""
-    match node:
-        case Linear():
-            k = index[node]
-            return lambda q: np.asarray(q[..., k])
-        case Const(value=value):
-            level = np.inf if value else -np.inf
-            return lambda q: np.full(q.shape[:-1], level)
-        case And(args=args) | Or(args=args):
-            parts = [_combine(arg, index) for arg in args]
-            join: Callable[[list[Array]], Array] = (
-                np.minimum.reduce if isinstance(node, And) else np.maximum.reduce
-            )
-            return lambda q: np.asarray(join([part(q) for part in parts]))
-    raise TypeError(f"{type(node).__name__} in a swept condition")
+    return (part for part in walk(node) if isinstance(part, Linear))

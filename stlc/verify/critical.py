@@ -21,7 +21,9 @@ from stlc.ir.nodes import (
     Not,
     Or,
     Quantity,
+    Release,
     Timed,
+    Until,
 )
 from stlc.source import Span
 from stlc.verify.robustness import Evaluator, unit
@@ -129,8 +131,21 @@ def _options(
 def _until_options(
     evaluator: Evaluator, node: Node, step: int, positive: bool
 ) -> list[tuple[Node, int, bool]]:
-    options = []
-    for child in node.children:
-        last = len(evaluator.judged(child, positive)) - 1
-        options += [(child, t, positive) for t in range(step, last + 1)]
-    return options
+    """What an until's witness step is judged by comes first, then all else within its window.
+
+    A release has the step that is worst for it.
+    """
+    if not isinstance(node, Until | Release):
+        return []
+    sign = 1.0 if isinstance(node, Until) else -1.0
+    left, right = (sign * evaluator.judged(child, positive) for child in node.children)
+    last = min(len(left), len(right)) - 1
+    last = last if node.end is None else min(step + node.end, last)
+    first = step + node.start
+    held = np.minimum.accumulate(left[step : last + 1])[node.start :]
+    found = np.minimum(held, right[first : last + 1])
+    witness = first + int(np.flatnonzero(found >= found.max() - _ALIKE)[0])
+    ways = [(node.right, witness), *((node.left, t) for t in range(step, witness + 1))]
+    rest = [(node.left, t) for t in range(step, last + 1)]
+    rest += [(node.right, t) for t in range(first, last + 1)]
+    return [(part, t, positive) for part, t in dict.fromkeys(ways + rest)]

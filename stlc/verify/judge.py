@@ -147,7 +147,8 @@ def _clearances(
         for obstacle in mission.obstacles.values():
             for what in ("body", "buffer"):
                 body = bodies.of(obstacle.name, what == "buffer")
-                found = outside(chains[name], body, levels=levels_of(mission, name, body))
+                levels = levels_of(mission, name, body)
+                found = outside(chains[name], body, levels=levels, steps=mission.horizon)
                 yield _closest(what, name, obstacle.name, found, mission.step)
     for one, other in combinations(agents, 2):
         relative = motion[one].minus(motion[other])

@@ -21,6 +21,8 @@ from stlc.verify.report import Violation
 from stlc.verify.trace import Array
 
 _TOLERANCE = 1e-6
+_MOVING = 1e-6
+"""m/s: slower than that a car rests, whatever steering its wheels' rounding errors would need."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -172,5 +174,6 @@ def _turning(robot: Robot, driven: Drive) -> str:
     """How sharply it turns: by the angle of a car's front wheels, else by its rate."""
     if robot.kind is RobotKind.UNICYCLE:
         return f"turning at most {np.abs(driven.rates).max():.3g} rad/s"
-    ratio = np.arctan2(robot.wheelbase * np.abs(driven.rates), np.abs(driven.speeds))
-    return f"steering at most {ratio.max() * 180.0 / pi:.3g} deg"
+    speeds = np.abs(driven.speeds)
+    angles = np.arctan2(robot.wheelbase * np.abs(driven.rates), speeds)[speeds > _MOVING]
+    return f"steering at most {angles.max(initial=0.0) * 180.0 / pi:.3g} deg"

@@ -124,7 +124,8 @@ class Evaluator:
 
     def _value(self, node: Node, parts: list[int], positive: bool) -> Array:
         if node.norms is not None and not self._faces and not self.trace.spread:
-            return self._scaled(_lengths(node.norms, self.trace), node.norms.unit)
+            steps = min(len(self._values[k]) for k in parts)  # faces of a motion look ahead
+            return self._scaled(_lengths(node.norms, self.trace)[:steps], node.norms.unit)
         value = _value(node, [self._values[k] for k in parts], self.trace, positive)
         return self._scaled(value, unit(node)) if isinstance(node, Linear | Link) else value
 

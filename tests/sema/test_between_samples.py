@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from stlc.api import loads, solve
+from stlc.api import loads, solve, verify
 from stlc.bezier import curve
 from stlc.dynamics import Dynamics, Flow
 from stlc.errors import InfeasibleError, MissionError
 from stlc.ir.nodes import Motion, walk
+from stlc.plan import make_plan
 from stlc.sema.discretise import zero_order_hold
 from stlc.sema.flow import held_flow
 
@@ -193,3 +194,44 @@ def test_alternatives_of_what_moves_or_touches_are_refused(formula: str) -> None
     with pytest.raises(MissionError) as caught:
         loads(GATE.format(formula=formula))
     assert [d.code for d in caught.value.diagnostics] == ["E0412"]
+
+
+LOGIC = """
+horizon 4
+workspace box [0, 10] x [0, 10]
+agent a : single_integrator {{ start (1, 1); control |u| <= 3 }}
+region g = box [4, 6] x [0, 5]
+require d: always {condition} swept
+"""
+
+DETOUR = np.array([[1, 1], [4, 4], [6, 5.5], [9, 4], [9, 1]], dtype=float)
+
+
+@pytest.mark.parametrize(
+    ("condition", "value"),
+    [
+        ("(a.x >= 5 implies a.y >= 3)", -2.0),
+        ("(a.x >= 5 implies not (a.y <= 0.5))", 0.5),
+        ("(not a.x >= 5 or a.y >= 3)", -2.0),
+        ("(a.y >= 1 iff a.x >= 1)", 0.0),
+        ("(not (a.x >= 8 iff a.y >= 20))", -7.0),
+        ("(not (a in g) or a.y >= 4.5)", -2.0 / 7.0),
+        ("(not (a in g and a.x <= 3))", 0.5),
+    ],
+)
+def test_brackets_may_hold_any_logic(condition: str, value: float) -> None:
+    mission = loads(LOGIC.format(condition=condition))
+    plan = make_plan(mission, {"a": DETOUR}, {"a": np.diff(DETOUR, axis=0)})
+    found = verify(mission, plan).requirements[0]
+    assert found.robustness is not None
+    assert found.swept == pytest.approx(value)
+    assert found.robustness <= value + 1e-9
+
+
+@pytest.mark.parametrize("part", ["next a.x >= 2", "eventually[0, 1] a.x >= 2",
+                                  "a.x >= 2 until[0, 1] a.y >= 2"])  # fmt: skip
+def test_brackets_speak_of_one_step(part: str) -> None:
+    with pytest.raises(MissionError) as caught:
+        loads(LOGIC.format(condition=f"(a.y >= 1 or ({part}))"))
+    (found,) = caught.value.diagnostics
+    assert (found.code, found.hint) == ("E0412", "put it inside: `always (..) swept`")  # type: ignore[attr-defined]

@@ -266,3 +266,25 @@ def test_the_command(tmp_path: Path) -> None:
     text = stlc("simulate", "m.stl", "p.json", "--seed", "3", folder=tmp_path).stdout
     assert "10000 draws, seed 3" in text
     assert "####" in text
+
+
+@pytest.mark.parametrize(
+    ("properties", "note"),
+    [
+        ("control_noise 0.01", "noise, and the plan as it stands, without feedback: a"),
+        ("disturbance |w| <= 0.04",
+         "disturbances, half of them as large as they get, under feedback: a"),
+        ("disturbance |w| <= 0.04; control_noise 0.01",
+         "noise and disturbances, half of these as large as they get, under feedback: a"),
+    ],
+)  # fmt: skip
+def test_notes_say_whether_there_is_feedback(properties: str, note: str) -> None:
+    text = f"""step 1 s
+    horizon 2
+    agent a : double_integrator {{ start (1, 1); control |u| <= 1; {properties} }}
+    require c: always a.x <= 2
+    """
+    mission = api.loads(text)
+    plan = make_plan(mission, {"a": np.tile(mission.agents["a"].start, (3, 1))},
+                     {"a": np.zeros((2, 2))})  # fmt: skip
+    assert note in simulate(mission, plan, draws=10).notes

@@ -10,6 +10,7 @@ from stlc.monitor import monitor
 from stlc.plan import make_plan
 from stlc.solve.driver import solve_mission
 from stlc.verify import verify
+from stlc.verify.lengths import GAP, Curve, least
 
 HEAD = """
 horizon 1
@@ -21,11 +22,15 @@ require a: {}
 D = math.hypot(2.95, 0.6)
 
 
-def robustness(requirement: str) -> float | None:
+def judged(requirement: str, move=(0.0, 0.0)):
     mission = loads(HEAD.format(requirement))
-    runs = {"r1": np.tile(mission.agents["r1"].start, (2, 1))}
-    plan = make_plan(mission, runs, {"r1": np.zeros((1, 2))})
-    return verify(mission, plan).requirements[0].robustness
+    runs = {"r1": mission.agents["r1"].start + np.array([[0.0, 0.0], move])}
+    plan = make_plan(mission, runs, {"r1": np.array([move])})
+    return verify(mission, plan).requirements[0]
+
+
+def robustness(requirement: str) -> float | None:
+    return judged(requirement).robustness
 
 
 @pytest.mark.parametrize(
@@ -44,6 +49,53 @@ def robustness(requirement: str) -> float | None:
 )
 def test_the_verifier_measures_lengths(requirement, value):
     assert robustness(requirement) == pytest.approx(value, abs=1e-9)
+
+
+STAY, WEST, SOUTH = (0.0, 0.0), (-1.0, 0.0), (0.0, -1.0)
+
+
+@pytest.mark.parametrize(
+    ("condition", "move", "value"),
+    [
+        ("distance(r1, base) >= 3.005", STAY, D - 3.005),
+        ("distance(r1, base) <= 3.005", WEST, 3.005 - D),
+        ("distance(r1, (2.45, 0)) >= 0.5", WEST, 0.1),
+        ("distance(r1, base, 4) >= 2.5", SOUTH, 0.45),
+        ("(not (norm(r1.x, r1.y) <= 2.9 m)) ", SOUTH, 0.05),
+        ("(distance(r1, base) - distance(r1, (5, 0)) >= 0)", WEST,
+         math.hypot(1.95, 0.6) - math.hypot(3.05, 0.6)),
+        ("(r1.y <= 0.1 m implies distance(r1, base) >= 2.9)", SOUTH, 0.05),
+    ],
+)  # fmt: skip
+def test_lengths_are_euclidean_between_the_steps(condition, move, value):
+    found = judged(f"always {condition} swept", move)
+    assert found.swept == pytest.approx(value, abs=2e-7)
+    assert found.satisfied == (value >= 0)
+
+
+def test_least_values_of_lengths_are_those_of_dense_samples():
+    """Of any sums, minima and maxima, never above the true value."""
+    random = np.random.default_rng(5)
+    s = np.linspace(0.0, 1.0, 1001)
+    powers = np.stack([np.ones_like(s), s, s * s])
+    for _ in range(5):
+        rest, places = random.normal(size=(3, 3, 4)), random.normal(size=(3, 3, 4, 2))
+        factors = random.normal(size=3)
+        curves = [
+            Curve(r, ((c, p), (0.5, p[::-1])))
+            for r, c, p in zip(rest, factors, places, strict=True)
+        ]  # fmt: skip
+        combine = lambda q: np.minimum(q[..., 0], np.maximum(q[..., 1], q[..., 2]))  # noqa: E731
+        dense = np.stack([c.at(np.repeat(np.arange(4), len(s)), np.tile(s, 4)) for c in curves], -1)
+        for c, r, p, values in zip(factors, rest, places, dense.T, strict=True):
+            sizes = [np.linalg.norm(np.einsum("krd,ks->rsd", k, powers), axis=-1)
+                     for k in (p, p[::-1])]  # fmt: skip
+            made = np.einsum("kr,ks->rs", r, powers) + c * sizes[0] + 0.5 * sizes[1]
+            assert made.ravel() == pytest.approx(values)
+        true = combine(dense).reshape(4, -1).min(axis=1)
+        found = least(curves, combine, 4)
+        assert (found <= true + 1e-12).all()
+        assert (found >= true - GAP - 1e-3).all()
 
 
 def test_the_monitor_measures_lengths(tmp_path):

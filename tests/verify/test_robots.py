@@ -13,7 +13,7 @@ from stlc.plan import Plan, make_plan
 from stlc.robots import Robot, RobotKind, Steering, turned
 from stlc.simulate import simulate
 from stlc.verify import verify
-from stlc.verify.robots import drive
+from stlc.verify.robots import Drive, drive, robot_notes
 from stlc.verify.tubes import radius
 
 
@@ -195,6 +195,17 @@ horizon 3
 agent r : {}
 require on: always r.x <= 100
 """
+
+
+def test_a_car_at_rest_steers_no_wheels() -> None:
+    """Speeds of rounding errors need any steering."""
+    mission = _mission(CAR, np.random.default_rng(3), 20.0, 7)
+    still, moving, rate = 1e-14, 0.5, np.array([1e-9, 0.2])
+    places = np.zeros((3, 2))
+    found = Drive(1, places, np.zeros(3), np.array([still, moving]), rate, places)
+    (note,) = robot_notes(mission, {"r": found})
+    wheelbase = mission.agents["r"].robot.wheelbase  # type: ignore[union-attr]
+    assert f"steering at most {np.degrees(np.arctan2(wheelbase * 0.2, moving)):.3g} deg" in note
 
 
 def test_what_a_car_cannot_steer_is_refused() -> None:
