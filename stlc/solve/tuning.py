@@ -43,7 +43,6 @@ class Team(Record):
     open_leaf_pairs: int = 900  # and when one is
     dive_pairs: int = 1000  # where a plunge ends
     coarse_cells: int = 144  # merged grid of the first prices; doubled: bound +1.5 % after 10 s
-    rate_bins: int = 2  # at nodes without a choice
     coarse_rounds: int = 12  # of prices; bound flat
     root_rounds: int = 30  # halved: bound -0.7 % after 10 s, doubled: +0.7 %, 1.2 the small team's
     rounds: int = 8
@@ -53,17 +52,22 @@ class Team(Record):
     climb_seconds: float = 20.0  # of prices at one node, at most
     leaf_seconds: float = 30.0  # of the solver, for what is small
     dive_seconds: float = 8.0  # for better plans: near a node's best runs, or near the plan
-    fine_states: int = 60_000  # pairs of states at a step: more are not refined
-    border_states: int = 30_000  # and where borders do not become cells, which makes 10 times more
+    worth_halves: float = 0.03  # of the gap: where an ascent and halves raise it by less, no more
+    polish_share: float = 0.1  # of the time that is left, near the plan, and at most
+    border_states: int = 30_000  # at a step: borders of more do not become cells, 10 times as many
     plunge_every: int = 8  # nodes
-    ascent_pairs: int = 1_000_000  # alive pairs of states in all: about 0.7 GB and 0.2 CPU s a step
-    ascent_share: float = 0.5  # of the time that is left
+    pairs: int = 4_000_000  # of states in all, of which an ascent takes 0.1 CPU s a million
+    split_pairs: int = 30_000_000  # likewise, with alternatives apart: 12 bytes each
+    ascent_share: float = 0.25  # of the time that is left, for each
+    halved: float = 0.5  # of the spread of all boxes, in those that are halved at once
     stage_rounds: int = 15  # of an ascent between two heats
     heat: float = 0.04  # of the gap, for all pairs together; 0.1 brought nothing
     cooler: float = 0.6  # links_a4_t8_c10_s1: 62.9 -> 63.8, 64.2, 64.4, 64.6 in 3 CPU s each,
     coldest: float = 0.004  # where sweeps and steps along single paths end at 63.7
     worth: float = 0.01  # of the gap: a stage that raises it by less is the last
     plunge_cut: float = 0.75  # of the gap, while plunging
+    plunge_least: float = 0.95  # of the cell pairs: a cut that leaves more is the last. Without it
+    # links_a4_t8_c10_s1 plunged for 35 of 60 CPU s
 
 
 class Descents(Record):

@@ -18,7 +18,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from stlc.arrays import Bools, Floats
+from stlc.arrays import Bools, Floats, Ints
 from stlc.solve.bounders.chain import Chain, SingleWeights, single
 from stlc.solve.bounders.shares import lighter, pair_share, stage_cost
 from stlc.solve.relaxation.problem import Problem, Singles
@@ -246,6 +246,18 @@ class Agreement:
             ]
             for i, own in enumerate(self.own)
         ]
+
+    def least_by(self, i: int, groups: Ints) -> Floats:
+        """Bounds on what plans cost that end in each group of agent i's states, groups (n,) from
+        0; after a forward sweep."""
+        others = sum(self.values[p] for p in self.pairs if i not in p)
+        out = np.full(int(groups.max()) + 1, others + self.lonely - self._margin)
+        for p in self.own[i]:
+            ends = self._table[p][-1] + self._stage(p, self.steps)
+            least = np.full(len(out), np.inf)
+            np.minimum.at(least, groups, ends.min(int(p[0] == i), initial=np.inf))
+            out += least
+        return out
 
     # -- potentials ---------------------------------------------------------------------------
     def path(self, pair: Pair) -> list[tuple[int, int]]:

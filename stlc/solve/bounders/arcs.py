@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from stlc.arrays import Bools, Floats, Ints
+from stlc.solve.bounders.axis_edges import AxisEdges
 from stlc.solve.bounders.chain import SAFETY
 from stlc.solve.relaxation.problem import Body
-from stlc.solve.states.boxes import AxisGrid, Edges, corners
 from stlc.solve.states.layers import Layer
-from stlc.solve.states.steps import Half, Step, make_step, spread
+from stlc.solve.states.steps import Half, Step, spread
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,69 +42,17 @@ class Stop:
     cost: Floats
 
 
-class Arcs:
-    """Two agents; cost[t] (cells, cells) at step t + 1; masks[t]: pairs of states alive.
-
-    slopes (boxes, 2) of the potentials, from the layers; `loose` (boxes,) may change. Axis edges
-    go from box `leaves` to box `enters`; those of a hop stand together, from `parts`.
-    """
+class Arcs(AxisEdges):
+    """Two agents; cost[t] (cells, cells) at step t + 1; masks[t]: pairs of states alive. The axis
+    edges of a hop stand together."""
 
     def __init__(
         self, bodies: tuple[Body, Body], layers: tuple[list[Layer], list[Layer]],
         cost: Sequence[Floats], masks: Sequence[Bools],
     ) -> None:  # fmt: skip
-        self.bodies, self.layers, self.steps = bodies, layers, len(cost)
-        self._number_boxes()
-        made = [
-            [make_step(body, t, row[t], row[t + 1]) for t in range(self.steps)]
-            for body, row in zip(bodies, layers, strict=True)
-        ]
-        self._list_edges(made)
-        raw, pairs = self._walk(made, masks)
+        super().__init__(bodies, layers)
+        raw, pairs = self._walk(self.made, masks)
         self.stops, self.hops = self._joined(raw, pairs, cost)
-
-    # -- boxes and axis edges -------------------------------------------------------------------
-    def _grids(self) -> list[tuple[int, int, int]]:
-        return [(n, t, d) for n in (0, 1) for t in range(self.steps + 1) for d in (0, 1)]
-
-    def _number_boxes(self) -> None:
-        """Number the axis boxes of both agents; `slopes` (boxes, 2) start from the layers'."""
-        grids = [self._grid(*at) for at in self._grids()]
-        ends = np.cumsum([0] + [len(g.box) for g in grids])
-        self.boxes = {
-            at: slice(int(a), int(b))
-            for at, a, b in zip(self._grids(), ends[:-1], ends[1:], strict=True)
-        }
-        self.slopes = np.concatenate([g.slope for g in grids])
-        loose = [np.full(len(self._grid(*at).box), 0 < at[1] < self.steps) for at in self._grids()]
-        self.loose = np.concatenate(loose)
-
-    def _grid(self, n: int, t: int, d: int) -> AxisGrid:
-        return self.layers[n][t].grid(d)
-
-    def _list_edges(self, made: Sequence[Sequence[Step]]) -> None:
-        """Axis edges of both agents and all steps, one after the other."""
-        src, dst, ends, costs, self._first, count = [], [], [], [], {}, 0
-        for n, t, d in self._grids():
-            if t == self.steps:
-                continue
-            i, j = (made[n][t].along_x, made[n][t].along_y)[d]
-            axis = self.bodies[n].axes[d]
-            src.append(self._grid(n, t, d).room[i])
-            dst.append(self._grid(n, t + 1, d).room[j])
-            ends.append(
-                np.stack([i + self.boxes[n, t, d].start, j + self.boxes[n, t + 1, d].start])
-            )
-            row = (axis.blend, axis.jump, axis.rate_cost[t + 1], axis.change_cost[t])
-            costs.append(np.tile(row, (len(i), 1)))
-            self._first[n, t, d] = count
-            count += len(i)
-        self.parts = np.array(list(self._first.values()), np.int64)
-        blend, jump, rate_cost, change_cost = np.concatenate(costs).T
-        self.blend = blend
-        edges = Edges(np.concatenate(src), np.concatenate(dst), blend, jump, rate_cost, change_cost)
-        self.corners = corners(edges)
-        self.leaves, self.enters = np.concatenate(ends, axis=1)
 
     # -- lists of pairs -------------------------------------------------------------------------
     def _walk(
@@ -170,10 +118,6 @@ class Arcs:
             if q % 4 == 0:
                 behind.append(g)
         return float(f.min()), [a + b for a, b in zip(ahead, behind[::-1], strict=True)]
-
-    def ends(self, slopes: Floats) -> tuple[Floats, Floats]:
-        """Slopes at both ends of every axis edge."""
-        return slopes[self.leaves], slopes[self.enters]
 
     def priced(self) -> tuple[list[Layer], list[Layer]]:
         """The layers with these slopes."""

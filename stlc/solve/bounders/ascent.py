@@ -15,6 +15,7 @@ import numpy as np
 
 from stlc.arrays import Floats
 from stlc.solve.bounders.arcs import Arcs
+from stlc.solve.bounders.axis_edges import AxisEdges
 
 _MEMORY = 8  # steps that L-BFGS remembers
 _TRIES = 5  # of a line search
@@ -89,25 +90,25 @@ def smoothed(arcs: Arcs, slopes: Floats, heat: float) -> tuple[float, Floats]:
 def softened(arcs: Arcs, slopes: Floats, heat: float) -> tuple[float, Floats, list[Floats]]:
     """`smoothed`, and for every stop the share of runs through each of its pairs."""
     value, at = arcs.corners.cheapest(*arcs.ends(slopes))
-    lowest, weights = _weights(arcs, value, heat)
+    lowest, weights = weights_of(arcs, value, heat)
     ahead, scales, logs = _forward(arcs, weights, heat)
     total = float(ahead[-1].sum())
     flow, shares = _flow(arcs, weights, ahead, scales)
-    return lowest - heat * (np.log(total) + logs), _slips(arcs, flow, at), shares
+    return lowest - heat * (np.log(total) + logs), arcs.slips(flow, at), shares
 
 
 def shares(arcs: Arcs, heat: float) -> list[Floats]:
     """For every stop the share of runs through each of its pairs, weighed by exp(-value / heat)."""
     value = arcs.corners.least(*arcs.ends(arcs.slopes))[0]
-    _, weights = _weights(arcs, value, heat)
+    _, weights = weights_of(arcs, value, heat)
     ahead, scales, _ = _forward(arcs, weights, heat)
     return _flow(arcs, weights, ahead, scales)[1]
 
 
-def _weights(arcs: Arcs, value: Floats, heat: float) -> tuple[float, Floats]:
+def weights_of(edges: AxisEdges, value: Floats, heat: float) -> tuple[float, Floats]:
     """exp(-value / heat), scaled to 1 at most in every half-step; the sum of what was taken off."""
-    lowest = np.minimum.reduceat(value, arcs.parts)
-    sizes = np.diff(arcs.parts, append=len(value))
+    lowest = np.minimum.reduceat(value, edges.parts)
+    sizes = np.diff(edges.parts, append=len(value))
     return float(lowest.sum()), np.exp((np.repeat(lowest, sizes) - value) / heat)
 
 
@@ -147,16 +148,3 @@ def _flow(
         if q % 4 == 0:
             found.append(ahead[q] * g)
     return flow, [f / f.sum() for f in found[::-1]]
-
-
-def _slips(arcs: Arcs, flow: Floats, at: Floats) -> Floats:
-    """By how much runs enter each box elsewhere than they leave it: (boxes, 2)."""
-    p, v, w = at.T
-    blend, count = arcs.blend, len(arcs.slopes)
-    entry = (p + (1 - blend) * v + blend * w, w)
-    columns = [
-        np.bincount(arcs.enters, flow * into, minlength=count)
-        - np.bincount(arcs.leaves, flow * leave, minlength=count)
-        for into, leave in zip(entry, (p, v), strict=True)
-    ]
-    return np.where(arcs.loose[:, None], np.stack(columns, axis=1), 0.0)

@@ -9,24 +9,29 @@ is at a step.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 from concurrent.futures import Executor
 from dataclasses import replace
 
 import numpy as np
 
-from stlc.arrays import Bools
+from stlc.arrays import Bools, Floats
 from stlc.solve import tuning
 from stlc.solve.bounders.agreement import Agreement, Pair, no_prices
 from stlc.solve.bounders.climb import climb
-from stlc.solve.bounders.prices import blocks, masked, prices_of_finer_cells, sliced
+from stlc.solve.bounders.prices import blocks, prices_of_finer_cells
 from stlc.solve.bounders.shares import coarsened
-from stlc.solve.bounders.team_ascent import TeamAscent
-from stlc.solve.bounders.team_node import Node, Taken, everything, keep, kept
+from stlc.solve.bounders.team_node import (
+    Node,
+    alternatives,
+    everything,
+    keep,
+    kept,
+)
+from stlc.solve.bounders.views import Views
 from stlc.solve.relaxation.borders import taken
-from stlc.solve.relaxation.problem import Problem
-from stlc.solve.relaxation.recognise import recognise
 from stlc.solve.restricted.session import Session
-from stlc.solve.states.layers import Layer, Maker, cells_of, rate_borders, with_choice
+from stlc.solve.states.layers import cells_of, with_choice
 from stlc.solve.states.tubes import tubes
 from stlc.solve.tree import Expansion, branch_and_bound
 
@@ -44,11 +49,10 @@ class Tree:
         agents = range(len(self.problem.bodies))
         self._free = itertools.cycle(itertools.combinations(agents, 2))
         self._polished = np.inf
-        self._bordered: Problem | None = None
+        self.views = Views(session, self.tubes, pool)
 
     def run(self) -> None:
         """Best bound first, until the incumbent is proven or the session stops."""
-        self._polish()
         root = self.root()
         if root is not None:
             branch_and_bound(self, root, self.session)
@@ -59,25 +63,19 @@ class Tree:
         if not all(taken):
             return None
         coarse = coarsened(self.problem, tuning.TEAM.coarse_cells)
-        rows = self._layers(coarse, taken, 1)
+        rows = self.views.layers(coarse, taken)
         node = Node(-np.inf, coarse, taken, rows, no_prices(list(coarse.pairs), rows), None)
         if node.empty:
             return node
         if coarse is self.problem:
-            return self._with_borders(node) if node.size <= tuning.TEAM.border_states else node
+            if node.size <= tuning.TEAM.border_states:
+                self.views.with_borders(node)
+            return node
         self._tighten(node, tuning.TEAM.coarse_rounds, np.inf)
-        fine = self._layers(self.problem, taken, 1)
+        fine = self.views.layers(self.problem, taken)
         host = blocks(self.problem, coarse)
         prices = prices_of_finer_cells(node.prices, node.rows, fine, host)
         return Node(node.bound, self.problem, taken, fine, prices, None)
-
-    def _layers(self, problem: Problem, taken: Taken, bins: int) -> list[list[Layer]]:
-        return [self._maker(problem, n, part, bins).layers() for n, part in enumerate(taken)]
-
-    def _maker(self, problem: Problem, n: int, taken: tuple[int, ...], bins: int) -> Maker:
-        body = problem.bodies[n]
-        rates = (rate_borders(body.axes[0], bins), rate_borders(body.axes[1], bins))
-        return Maker(problem, body, self.tubes[n], taken, rates)
 
     # -- nodes --------------------------------------------------------------------------------
     def expand(self, node: Node) -> Expansion[Node]:
@@ -90,22 +88,14 @@ class Tree:
             return Expansion(closed=max(node.bound, session.cutoff))
         if session.stopped():
             return Expansion((node,))
-        if not node.problem.borders and node.size <= tuning.TEAM.border_states:
-            return Expansion((self._with_borders(node),))
-        if not node.ascended and node.problem.borders and self._ascend(node):
+        if self.views.split(node):
             return Expansion((node,))
-        if (
-            not node.has_open_choice
-            and node.bins < tuning.TEAM.rate_bins
-            and node.size <= tuning.TEAM.fine_states
-        ):
-            self._refine(node, tuning.TEAM.rate_bins)
+        leaf = not node.tried and self._count(node) <= (
+            tuning.TEAM.open_leaf_pairs if node.has_open_choice else tuning.TEAM.leaf_pairs
+        )
+        if not leaf and self.views.ascend(node):
             return Expansion((node,))
-        if (
-            self._count(node)
-            <= (tuning.TEAM.open_leaf_pairs if node.has_open_choice else tuning.TEAM.leaf_pairs)
-            and not node.tried
-        ):
+        if leaf:
             node.bound = max(node.bound, self._solve(node, tuning.TEAM.leaf_seconds))
             if node.bound >= session.cutoff:
                 return Expansion(closed=node.bound)
@@ -113,7 +103,7 @@ class Tree:
         elif self.visited % tuning.TEAM.plunge_every == 1:
             self._plunge(node, agreement)
             self._polish()
-        return self._branch(node)
+        return self._branch(node, agreement)
 
     def _tighten(self, node: Node, rounds: int, cutoff: float) -> Agreement | None:
         """Climb at a node and keep what is alive; None when nothing below the cutoff is left."""
@@ -130,52 +120,8 @@ class Tree:
             return None
         node.prices, node.masks = agreement.prices, agreement.masks()
         keep(node, [[np.flatnonzero(a) for a in row] for row in agreement.alive()])
+        node.taken = tuple(alternatives(*v) for v in zip(node.rows, node.taken, strict=True))
         return None if node.empty else agreement
-
-    def _ascend(self, node: Node) -> bool:
-        """Better slopes and prices for the node of all plans, once; whether there are any."""
-        node.ascended, session = True, self.session
-        assert node.masks is not None
-        alive = sum(int(m.sum()) for masks in node.masks.values() for m in masks)
-        if alive > tuning.TEAM.ascent_pairs or not np.isfinite(session.cutoff):
-            return False
-        kept = Agreement(node.problem, node.rows, node.prices, node.masks, self.pool)
-        ascent = TeamAscent(kept)
-        if ascent.empty:
-            node.bound = np.inf
-            return True
-        moment = session.deadline.share(tuning.TEAM.ascent_share)
-        gap = session.cutoff - node.bound
-        node.rows, node.prices = ascent.climb(moment.over, gap)
-        return True
-
-    def _refine(self, node: Node, bins: int) -> None:
-        """Children of the alive states on a finer grid of rates."""
-        rows = self._children(node, node.problem, bins)
-        index = [[layer.parent for layer in row] for row in rows]
-        node.rows, node.bins = rows, bins
-        node.prices, node.masks = sliced(node.prices, index), masked(node.masks, index)
-
-    def _children(self, node: Node, problem: Problem, bins: int) -> list[list[Layer]]:
-        return [
-            self._maker(problem, n, node.taken[n], bins).layers(row)
-            for n, row in enumerate(node.rows)
-        ]
-
-    def _with_borders(self, node: Node) -> Node:
-        """Borders of alive cells as cells of their own. A plan is in that of the touching cells
-        that its first tables take: states are kept for any of them, all pairs of states at first.
-        """
-        if self._bordered is None:
-            self._bordered = recognise(self.frame.compiled, borders=True)
-        assert self._bordered is not None
-        rows = self._children(node, self._bordered, node.bins)
-        prices = sliced(node.prices, [[layer.parent for layer in row] for row in rows])
-        masks = None if node.masks is None else {
-            (i, j): [np.ones((len(a), len(b)), bool) for a, b in zip(rows[i], rows[j], strict=True)]
-            for i, j in node.masks
-        }  # fmt: skip
-        return replace(node, problem=self._bordered, rows=rows, prices=prices, masks=masks)
 
     def _alive_cells(self, node: Node) -> dict[Pair, list[Bools]]:
         """Cell pairs (cells, cells) at each step, those taken where borders are cells."""
@@ -213,26 +159,29 @@ class Tree:
         top = min(session.cutoff, node.bound + abs(node.bound) + 1.0)
         if self._tighten(part, tuning.TEAM.rounds, top) is None:
             return
-        parts = [part]
-        while self._count(parts[-1]) > tuning.TEAM.dive_pairs and not session.stopped():
-            part = replace(parts[-1], rows=list(parts[-1].rows))
+        parts, left = [part], self._count(part)
+        while left > tuning.TEAM.dive_pairs and not session.stopped():
+            part, before = replace(part, rows=list(part.rows)), left
             top = part.bound + tuning.TEAM.plunge_cut * (top - part.bound)
             if self._tighten(part, 2, top) is None:
                 break
-            parts.append(part)
-        before, until = session.value, session.seconds + tuning.TEAM.dive_seconds
+            parts, left = [*parts, part], self._count(part)
+            if left > tuning.TEAM.plunge_least * before:
+                return  # so near to the bound nothing is dropped any more
+        value, until = session.value, session.seconds + tuning.TEAM.dive_seconds
         for part in reversed(parts):
-            if session.value < before or session.seconds > until or session.stopped():
+            if session.value < value or session.seconds > until or session.stopped():
                 return
             self._solve(part, tuning.TEAM.dive_seconds)
 
     def _polish(self) -> None:
         """Free two agents at a time around the incumbent, until all pairs bring nothing."""
-        session, until = self.session, self.session.seconds + tuning.TEAM.dive_seconds
+        session = self.session
+        moment = session.deadline.share(tuning.TEAM.polish_share, tuning.TEAM.dive_seconds)
         cell = min(float(np.diff(e).max()) for e in self.problem.edges)
         agents = len(self.problem.bodies)
         idle = 0
-        while session.x is not None and session.seconds < until and not session.stopped():
+        while session.x is not None and not moment.over():
             if session.value >= self._polished or idle == agents * (agents - 1) // 2:
                 self._polished = session.value
                 return
@@ -252,21 +201,43 @@ class Tree:
         return own[int(np.argmax(votes))]
 
     # -- branching ----------------------------------------------------------------------------
-    def _branch(self, node: Node) -> Expansion[Node]:
-        """Halve the largest choice, or where an agent is at some step."""
+    def _branch(self, node: Node, agreement: Agreement) -> Expansion[Node]:
+        """Split by choices, or where an agent is at some step."""
         if not node.has_open_choice:
             return self._halves(node)
+        if node.by_choice:
+            return Expansion(tuple(self._by_best(node, agreement)))
         n = int(np.argmax([len(t) for t in node.taken]))
         own = node.taken[n]
         half = len(own) // 2
         return Expansion(tuple(self._child(node, n, part) for part in (own[:half], own[half:])))
 
+    def _by_best(self, node: Node, agreement: Agreement) -> Iterator[Node]:
+        """For each agent what is left without its best alternative while those before it take
+        theirs, bounded by its runs; at last all of them take it."""
+        order, least = [], [self._least(agreement, n) for n in range(len(node.taken))]
+        for n, own in enumerate(node.taken):
+            first, *others = sorted(own, key=least[n].__getitem__)
+            if others:
+                order.append((least[n][others[0]], n, first))
+        for bound, n, first in sorted(order, reverse=True):
+            left = self._child(node, n, tuple(j for j in node.taken[n] if j != first))
+            left.bound = max(left.bound, bound)
+            yield left
+            node = self._child(node, n, (first,))
+        yield node
+
+    def _least(self, agreement: Agreement, n: int) -> Floats:
+        """Bounds of the plans in which an agent takes each alternative."""
+        last = agreement.rows[n][-1]
+        return agreement.least_by(n, last.x.kind[last.ix])
+
     def _child(self, node: Node, n: int, part: tuple[int, ...]) -> Node:
         index = everything(node)
         row, index[n] = with_choice(self.problem.bodies[n], self.tubes[n], part, node.rows[n])
         taken = tuple(part if k == n else t for k, t in enumerate(node.taken))
-        child = kept(replace(node, taken=taken, tried=False, ascended=True), index)
-        child.rows[n] = row
+        child = kept(replace(node, taken=taken, tried=False), index)
+        child.rows[n], child.ascended, child.reached = row, child.has_open_choice, -np.inf
         return child
 
     def _halves(self, node: Node) -> Expansion[Node]:
@@ -285,5 +256,5 @@ class Tree:
         for side in (at <= middle, at > middle):
             index = everything(node)
             index[n][t] = np.flatnonzero(side)
-            out.append(kept(replace(node, tried=False, ascended=True), index))
+            out.append(kept(replace(node, tried=False, ascended=False), index))
         return Expansion(tuple(out))

@@ -9,26 +9,26 @@ bound: it only moves prices that add up to nothing.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
-from stlc.arrays import Floats
+from stlc.arrays import Floats, Ints
 from stlc.solve import tuning
 from stlc.solve.bounders.agreement import Agreement, Pair, Prices
-from stlc.solve.bounders.arcs import Arcs
-from stlc.solve.bounders.ascent import climbed, softened
+from stlc.solve.bounders.ascent import climbed
 from stlc.solve.bounders.shares import lighter
+from stlc.solve.bounders.tables import Moves, Soft, Tables
 from stlc.solve.states.layers import Layer
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Part:
+class Part:
     """A pair's runs; `base`: costs at every stop without prices."""
 
     pair: Pair
-    arcs: Arcs
+    tables: Tables
     base: list[Floats]
 
 
@@ -38,31 +38,29 @@ class TeamAscent:
 
     def __init__(self, agreement: Agreement) -> None:
         self.agreement, self.steps = agreement, agreement.steps
+        self.moves = [
+            Moves(lighter(body, max(1, len(own))), list(row))
+            for body, own, row in zip(
+                agreement.problem.bodies, agreement.own, agreement.rows, strict=True
+            )
+        ]
+        self._moments = [_moments(moves) for moves in self.moves]
         self._at: dict[tuple[object, ...], slice] = {}
         self._size = 0
         self.parts = [self._part(pair) for pair in agreement.pairs]
         self._place()
 
-    def _part(self, pair: Pair) -> _Part:
-        made, nothing = self.agreement, np.zeros((self.agreement.problem.cells,) * 2)
-        bodies = [lighter(made.problem.bodies[n], len(made.own[n])) for n in pair]
-        base = made.costs(pair)
-        arcs = Arcs(
-            (bodies[0], bodies[1]), (list(made.rows[pair[0]]), list(made.rows[pair[1]])),
-            [nothing] * self.steps, [np.isfinite(v) for v in base],
-        )  # fmt: skip
-        stops = [v[s.i, s.j].astype(float) for v, s in zip(base, arcs.stops, strict=True)]
-        return _Part(pair, arcs, stops)
+    def _part(self, pair: Pair) -> Part:
+        base = [v.astype(float) for v in self.agreement.costs(pair)]
+        return Part(pair, Tables(*(self.moves[n] for n in pair)), base)
 
     def _place(self) -> None:
-        """Say where slopes, potentials and prices stand in a point; those that stay 0 do not."""
+        """Say where slopes, potentials and prices stand in a point."""
         made = self.agreement
-        for n, row in enumerate(made.rows):
-            for t in range(1, self.steps):
-                for d in (0, 1):
-                    self._room((n, t, d), 2 * len(row[t].grid(d).box))
+        for n, moves in enumerate(self.moves):
+            self._room((n,), moves.slopes.size)
         for pair in made.pairs:
-            self._room(pair, 8 * (self.steps - 1))
+            self._room(pair, made.prices.potentials[pair].size)
             for end, n in enumerate(pair):
                 for t in range(1, self.steps + 1):
                     self._room((pair, end, t), len(made.rows[n][t]))
@@ -71,40 +69,34 @@ class TeamAscent:
         self._at[key] = slice(self._size, self._size + size)
         self._size += size
 
-    @property
-    def empty(self) -> bool:
-        """Whether some pair has no run."""
-        return any(part.arcs.empty for part in self.parts)
-
     def start(self) -> Floats:
         """The point that the agreement stands at."""
         z, made = np.zeros(self._size), self.agreement
-        for n, row in enumerate(made.rows):
-            for t in range(1, self.steps):
-                for d in (0, 1):
-                    z[self._at[n, t, d]] = row[t].grid(d).slope.ravel()
+        for n, moves in enumerate(self.moves):
+            z[self._at[n,]] = moves.slopes.ravel()
         for pair in made.pairs:
-            z[self._at[pair]] = made.prices.potentials[pair][:, 1:-1].ravel()
+            z[self._at[pair]] = made.prices.potentials[pair].ravel()
             for end, states in enumerate(made.prices.states[pair]):
                 for t, prices in enumerate(states[1:], start=1):
                     z[self._at[pair, end, t]] = np.where(np.isfinite(prices), prices, 0.0)
         return z
 
-    def climb(self, stopped: Callable[[], bool], gap: float) -> tuple[list[list[Layer]], Prices]:
-        """Layers with slopes, and prices, of the highest least value found; ends when a stage
-        raises it by too little. gap: what it may still rise by."""
+    def climb(self, stopped: Callable[[], bool], gap: float) -> tuple[Floats, float]:
+        """The point of the highest least value found, and the last heat; ends when a stage raises
+        it by too little. gap: what it may still rise by."""
         z = best = self.start()
         least, part, rising = self.least(z), tuning.TEAM.heat, False
+        heat = part * gap / len(self.parts)
         while part >= tuning.TEAM.coldest and not stopped():
             z = self._stage(z, part * gap / len(self.parts))
             value = self.least(z) if np.isfinite(z).all() else -np.inf
             enough = value >= least + tuning.TEAM.worth * gap
             if value > least:
-                best, least = z, value
+                best, least, heat = z, value, part * gap / len(self.parts)
             if rising and not enough:
                 break
             part, rising = part * tuning.TEAM.cooler, rising or enough
-        return self._taken(best)
+        return best, heat
 
     def _stage(self, z: Floats, heat: float) -> Floats:
         """Steps from a point at one heat of each pair."""
@@ -115,46 +107,51 @@ class TeamAscent:
             )  # fmt: skip
 
     def least(self, z: Floats) -> float:
-        """Sum of the pairs' least values."""
-        self._set(z)
-        return sum(part.arcs.through()[0] for part in self.parts)
+        """Sum of the pairs' least values; infinite where some pair has no run."""
+        return sum(
+            part.tables.least(self._slopes(part, z), self._stops(part, z)) for part in self.parts
+        )
 
-    def _set(self, z: Floats) -> None:
-        """Put the slopes and prices of a point into the pairs' arcs and stops."""
+    def _slopes(self, part: Part, z: Floats) -> tuple[Floats, Floats]:
+        """Those of a pair's boxes: their agent's, and the pair's potentials."""
+        pi = z[self._at[part.pair]].reshape(2, -1, 2)
+        first, second = (
+            z[self._at[n,]].reshape(-1, 2) + pi[end, self._moments[n]]
+            for end, n in enumerate(part.pair)
+        )
+        return first, second
+
+    def _stops(self, part: Part, z: Floats) -> list[Floats]:
+        """What a pair's states cost at every step, with their prices."""
+        out = part.base[:1]
+        for t, base in enumerate(part.base[1:], start=1):
+            first, second = (z[self._at[part.pair, end, t]] for end in (0, 1))
+            out.append(base + first[:, None] + second[None])
+        return out
+
+    def softened(self, z: Floats, heat: float) -> Iterator[tuple[Part, Soft]]:
+        """The soft minimum of every pair."""
         for part in self.parts:
-            arcs, slopes = part.arcs, np.zeros_like(part.arcs.slopes)
-            pi = z[self._at[part.pair]].reshape(2, self.steps - 1, 2, 2)
-            for (end, t, d), where in arcs.boxes.items():
-                if 0 < t < self.steps:
-                    own = z[self._at[part.pair[end], t, d]].reshape(-1, 2)
-                    slopes[where] = own + pi[end, t - 1, d]
-            arcs.slopes = slopes
-            for t in range(1, self.steps + 1):
-                stop = arcs.stops[t]
-                first, second = (z[self._at[part.pair, end, t]] for end in (0, 1))
-                cost = part.base[t] + first[stop.i] + second[stop.j]
-                arcs.stops[t] = replace(stop, cost=cost)
+            yield part, part.tables.softened(self._slopes(part, z), self._stops(part, z), heat)
 
     def _softened(self, z: Floats, heat: float) -> tuple[float, Floats]:
         """Sum of the pairs' soft minima and its derivative, along which prices stay balanced."""
-        self._set(z)
         total, slope = 0.0, np.zeros(self._size)
-        for part in self.parts:
-            value, slips, shares = softened(part.arcs, part.arcs.slopes, heat)
-            total += value
-            pi = np.zeros((2, self.steps - 1, 2, 2))
-            for (end, t, d), where in part.arcs.boxes.items():
-                if 0 < t < self.steps:
-                    slope[self._at[part.pair[end], t, d]] += slips[where].ravel()
-                    pi[end, t - 1, d] = slips[where].sum(0)
-            slope[self._at[part.pair]] = pi.ravel()
-            for t in range(1, self.steps + 1):
-                stop = part.arcs.stops[t]
-                for end, states in enumerate((stop.i, stop.j)):
-                    at = self._at[part.pair, end, t]
-                    slope[at] = np.bincount(states, shares[t], minlength=at.stop - at.start)
+        for part, found in self.softened(z, heat):
+            total += found.value
+            self._add(slope, part, found)
         self._balance(slope)
         return total, slope
+
+    def _add(self, slope: Floats, part: Part, found: Soft) -> None:
+        """The derivative of one pair's soft minimum."""
+        pi = slope[self._at[part.pair]].reshape(2, -1, 2)
+        for end, n in enumerate(part.pair):
+            slips = self.moves[n].slips(found.flows[end], found.at[end])
+            slope[self._at[n,]] += slips.ravel()
+            np.add.at(pi[end], self._moments[n], slips)
+            for t in range(1, self.steps + 1):
+                slope[self._at[part.pair, end, t]] = found.shares[t].sum(1 - end)
 
     def _balance(self, slope: Floats) -> None:
         """Prices of an agent's states are to add up to nothing over its pairs."""
@@ -165,25 +162,26 @@ class TeamAscent:
                 for at in places:
                     slope[at] -= mean
 
-    def _taken(self, z: Floats) -> tuple[list[list[Layer]], Prices]:
+    def taken(self, z: Floats) -> tuple[list[list[Layer]], Prices]:
         """A point as layers with slopes, and as prices."""
-        made, last = self.agreement, self.steps
-        rows = [
-            [
-                layer if t in (0, last)
-                else layer.priced(*(z[self._at[n, t, d]].reshape(-1, 2) for d in (0, 1)))
-                for t, layer in enumerate(row)
-            ]
-            for n, row in enumerate(made.rows)
-        ]  # fmt: skip
-        potentials = {pair: np.zeros_like(pi) for pair, pi in made.prices.potentials.items()}
-        for pair, pi in potentials.items():
-            pi[:, 1:-1] = z[self._at[pair]].reshape(2, last - 1, 2, 2)
+        made = self.agreement
+        rows = [moves.priced(z[self._at[n,]].reshape(-1, 2)) for n, moves in enumerate(self.moves)]
+        potentials = {
+            pair: z[self._at[pair]].reshape(pi.shape) for pair, pi in made.prices.potentials.items()
+        }
         states = {
             pair: tuple(
-                [ends[0], *(z[self._at[pair, end, t]] for t in range(1, last + 1))]
+                [ends[0], *(z[self._at[pair, end, t]] for t in range(1, self.steps + 1))]
                 for end, ends in enumerate(old)
             )
             for pair, old in made.prices.states.items()
         }
         return rows, Prices(potentials, {p: (v[0], v[1]) for p, v in states.items()})
+
+
+def _moments(moves: Moves) -> Ints:
+    """(boxes,): 2 t + d of every box."""
+    out = np.empty(len(moves.slopes), np.int64)
+    for (_, t, d), where in moves.boxes.items():
+        out[where] = 2 * t + d
+    return out

@@ -18,7 +18,8 @@ Taken = tuple[tuple[int, ...], ...]
 @dataclass(slots=True)
 class Node:
     """rows[agent][t] over the cells of `problem`; masks[pair][t]: alive pairs of states (None: all
-    of all plans); `ascended`: had its ascent, or is a part."""
+    of all plans); `by_choice`: states of each alternative apart; `reached`: the bound
+    before the last ascent; `ascended`: no more ascents."""
 
     bound: float
     problem: Problem
@@ -26,7 +27,8 @@ class Node:
     rows: list[list[Layer]]
     prices: Prices
     masks: dict[Pair, list[Bools]] | None
-    bins: int = 1
+    by_choice: bool = False
+    reached: float = -np.inf
     tried: bool = False
     ascended: bool = False
 
@@ -45,9 +47,30 @@ class Node:
         )
 
     @property
+    def pairs(self) -> int:
+        """Pairs of states of all pairs of agents at all steps."""
+        return pairs_of(self.rows, self.prices)
+
+    @property
     def empty(self) -> bool:
-        """Whether some agent has nowhere to be."""
-        return any(len(layer) == 0 for row in self.rows for layer in row)
+        """Whether some agent has nowhere to be, or nothing to take."""
+        return not all(self.taken) or any(len(layer) == 0 for row in self.rows for layer in row)
+
+
+def pairs_of(rows: list[list[Layer]], prices: Prices) -> int:
+    """Pairs of states that pairs of agents have at all steps."""
+    return sum(
+        len(a) * len(b)
+        for i, j in prices.states
+        for a, b in zip(rows[i], rows[j], strict=True)
+    )  # fmt: skip
+
+
+def alternatives(row: list[Layer], taken: tuple[int, ...]) -> tuple[int, ...]:
+    """Those of an agent that have a state left at every step; all where states are of all."""
+    if any((layer.x.kind < 0).any() for layer in row[1:]):
+        return taken
+    return tuple(j for j in taken if all((layer.x.kind == j).any() for layer in row[1:]))
 
 
 def everything(node: Node) -> list[list[Ints]]:
@@ -70,3 +93,17 @@ def kept(node: Node, index: list[list[Ints]]) -> Node:
     node.rows = [list(row) for row in node.rows]
     keep(node, index)
     return node
+
+
+def viewed(node: Node, rows: list[list[Layer]], problem: Problem | None = None) -> None:
+    """Give a node other layers, whose `parent` numbers its states, on the cells of another problem
+    where one is given: then all pairs of states are alive, as a border is in several cells."""
+    index = [[layer.parent for layer in row] for row in rows]
+    node.rows, node.prices, node.masks = (
+        rows, sliced(node.prices, index), masked(node.masks, index),
+    )  # fmt: skip
+    if problem is not None:
+        node.problem = problem
+        for row in (node.masks or {}).values():
+            for mask in row:
+                mask[:] = True

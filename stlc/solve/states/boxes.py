@@ -21,6 +21,7 @@ class AxisGrid:
     host (n, 2): the part of the cell that a thin box lies at the end of, else the box itself.
     room (n, 4): the part of the box that can be reached, in which steps begin and end.
     slope (n, 2): of the potential on p and w (see `joint`).
+    kind (n,): the alternative whose runs alone are in a box, -1 for those of all.
     borders: cells are numbered with the borders between them, see `relaxation/borders`.
     """
 
@@ -30,13 +31,14 @@ class AxisGrid:
     host: Floats
     room: Floats
     slope: Floats
+    kind: Ints
     borders: bool = False
 
     def take(self, kept: Ints) -> AxisGrid:
         """Some of the boxes."""
         return AxisGrid(
             self.box[kept], self.cell[kept], self.thin[kept], self.host[kept], self.room[kept],
-            self.slope[kept], self.borders,
+            self.slope[kept], self.kind[kept], self.borders,
         )  # fmt: skip
 
 
@@ -71,6 +73,7 @@ def axis_grid(
         np.repeat(host, bins, axis=0),
         box,
         _flat(len(box)),
+        np.full(len(box), -1),
         borders,
     )
 
@@ -108,7 +111,9 @@ def _host(parts: Floats, ends: Floats) -> Floats:
 def point_grid(p: float, w: float) -> AxisGrid:
     """One state. Its cell is never asked for."""
     box = np.array([[p, p, w, w]])
-    return AxisGrid(box, np.zeros(1, np.int64), np.zeros(1, bool), box[:, :2], box, _flat(1))
+    return AxisGrid(
+        box, np.zeros(1, np.int64), np.zeros(1, bool), box[:, :2], box, _flat(1), np.full(1, -1)
+    )
 
 
 def _flat(count: int) -> Floats:

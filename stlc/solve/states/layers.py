@@ -9,10 +9,9 @@ import numpy as np
 
 from stlc.arrays import Bools, Floats, Ints
 from stlc.solve.relaxation.problem import Axis, Body, Problem
-from stlc.solve.states.boxes import EPS, AxisGrid, axis_grid, point_grid
-from stlc.solve.states.tubes import Tubes, boxes_meet, meeting
-
-MARGIN = 1e-6
+from stlc.solve.states.boxes import AxisGrid, axis_grid, point_grid
+from stlc.solve.states.reached import MARGIN, admissible, drawn_in, reach_bits
+from stlc.solve.states.tubes import Tubes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,13 +58,21 @@ def start_layer(body: Body) -> Layer:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Maker:
-    """Makes the layers of one agent. `bins` (2,) arrays of rate borders along each axis."""
+    """Makes the layers of one agent. `bins` (2,) arrays of rate borders along each axis; `kind` of
+    all boxes."""
 
     problem: Problem
     body: Body
     tubes: Tubes
     taken: tuple[int, ...]
     bins: tuple[Floats, Floats]
+    kind: int = -1
+
+    def by_choice(self, old: Sequence[Layer]) -> list[Layer]:
+        """Children of `old` for each alternative by itself: its runs alone, within its tubes, so
+        that their boxes are smaller and have slopes of their own."""
+        parts = [replace(self, taken=(j,), kind=j).layers(old) for j in self.taken]
+        return [parts[0][0], *(_joined(row) for row in list(zip(*parts, strict=True))[1:])]
 
     def layers(self, old: Sequence[Layer] | None = None) -> list[Layer]:
         """Layers 0..T; with `old` only children of its states."""
@@ -75,6 +82,7 @@ class Maker:
             )
             for d in (0, 1)
         ]
+        grids = [replace(g, kind=np.full(len(g.box), self.kind)) for g in grids]
         out = [start_layer(self.body)]
         for t in range(1, self.problem.steps + 1):
             out.append(self._layer(t, grids[0], grids[1], old[t] if old else None))
@@ -111,6 +119,33 @@ class Maker:
         return Layer(x, y, ix[order], iy[order], bit[order], cell[order], parent[order])
 
 
+def _joined(layers: Sequence[Layer]) -> Layer:
+    """All states of several layers, in boxes of their own."""
+    x, y = (_side_by_side([layer.grid(d) for layer in layers]) for d in (0, 1))
+    first_x, first_y = (
+        np.cumsum([0, *(len(layer.grid(d).box) for layer in layers[:-1])]) for d in (0, 1)
+    )
+    ix = np.concatenate([layer.ix + k for layer, k in zip(layers, first_x, strict=True)])
+    iy = np.concatenate([layer.iy + k for layer, k in zip(layers, first_y, strict=True)])
+    bit, cell, parent = (
+        np.concatenate(parts)
+        for parts in zip(*((k.bit, k.cell, k.parent) for k in layers), strict=True)
+    )
+    order = np.lexsort((iy, ix, bit, cell))
+    return Layer(x, y, ix[order], iy[order], bit[order], cell[order], parent[order])
+
+
+def _side_by_side(grids: Sequence[AxisGrid]) -> AxisGrid:
+    """The boxes of all grids."""
+    box, cell, thin, host, room, slope, kind = (
+        np.concatenate(parts)
+        for parts in zip(
+            *((g.box, g.cell, g.thin, g.host, g.room, g.slope, g.kind) for g in grids), strict=True
+        )
+    )
+    return AxisGrid(box, cell, thin, host, room, slope, kind, grids[0].borders)
+
+
 def _faces(body: Body, d: int) -> list[float]:
     faces = {
         float(v)
@@ -131,84 +166,6 @@ def _within(grid: AxisGrid, box: Floats) -> AxisGrid:
     return grid.take(np.flatnonzero(meets))
 
 
-def admissible(body: Body, t: int, x: AxisGrid, y: AxisGrid, ix: Ints, iy: Ints) -> Bools:
-    """Boxes that meet the speed polygon, and with some width one alternative of each avoidance.
-
-    What touches an alternative only along a face lies in the boxes of zero width.
-    """
-    fine = np.ones(len(ix), bool)
-    for nx, ny, c in body.faces:
-        least = np.minimum(nx * x.box[:, 2], nx * x.box[:, 3])[ix]
-        least = least + np.minimum(ny * y.box[:, 2], ny * y.box[:, 3])[iy]
-        fine &= least <= c + EPS
-    if not (x.thin.any() or y.thin.any() or body.avoid.get(t)):
-        return fine
-    thin_x, thin_y = x.thin[ix], y.thin[iy]
-    free = {(a, b): _outside(body, t, x, y, a, b)[ix, iy] for a in (0, 1) for b in (0, 1)}
-    spare = (thin_x & free[1, 0]) | (thin_y & free[0, 1]) | (thin_x & thin_y & free[1, 1])
-    kept = np.logical_and(fine, free[0, 0]) & ~spare
-    return np.asarray(kept, dtype=bool)
-
-
-def _outside(body: Body, t: int, x: AxisGrid, y: AxisGrid, host_x: int, host_y: int) -> Bools:
-    """(nx, ny): with some width in an alternative of every avoidance; hosts for thin boxes."""
-    fine = np.logical_and.outer(_known(x, bool(host_x)), _known(y, bool(host_y)))
-    for group in body.avoid.get(t, ()):
-        some = np.zeros_like(fine)
-        for box in group:
-            some |= np.logical_and.outer(
-                _overlaps(x, box[0], bool(host_x)), _overlaps(y, box[1], bool(host_y))
-            )
-        fine &= some
-    return fine
-
-
-def _known(grid: AxisGrid, host: bool) -> Bools:
-    """Boxes, or those that have a host: borders that are cells themselves have none."""
-    part = grid.host if host else grid.box[:, :2]
-    return np.asarray(part[:, 0] <= part[:, 1])
-
-
-def _overlaps(grid: AxisGrid, span: Floats, host: bool) -> Bools:
-    part = grid.host if host else grid.box[:, :2]
-    low, high = np.maximum(part[:, 0], span[0]), np.minimum(part[:, 1], span[1])
-    if host:
-        return np.asarray(high - low > MARGIN)
-    return np.asarray(high >= np.where(grid.thin, low - 1e-9, low + MARGIN))
-
-
-def reach_bits(
-    body: Body, tubes: Tubes, taken: Sequence[int], t: int, x: AxisGrid, y: AxisGrid,
-    ix: Ints, iy: Ints,
-) -> Bools:  # fmt: skip
-    """(2, n): can a run be here at t with its choice still ahead (0), or behind (1)?"""
-    fine = np.zeros((2, len(ix)), bool)
-    oblique = [_projected(x, y, ix, iy, d) for d in tubes.directions[2:]]
-    for j in taken:
-        bit = int(tubes.steps[j] <= t)
-        meets = boxes_meet(x.box, tubes.sets[0][j][t])[ix]
-        meets &= boxes_meet(y.box, tubes.sets[1][j][t])[iy]
-        left = np.flatnonzero(meets & ~fine[bit])
-        for number, boxes in enumerate(oblique, start=2):
-            left = left[boxes_meet(boxes[left], tubes.sets[number][j][t])]
-        fine[bit, left] = True
-    return fine
-
-
-def drawn_in(
-    tubes: Tubes, taken: Sequence[int], t: int, x: AxisGrid, y: AxisGrid
-) -> tuple[AxisGrid, AxisGrid]:
-    """The grids with their room drawn in around what the tubes of some alternative reach."""
-    made = []
-    for d, grid in enumerate((x, y)):
-        parts = np.array([meeting(grid.room, tubes.sets[d][j][t]) for j in taken])
-        low, high = parts[:, :, ::2].min(0), parts[:, :, 1::2].max(0)
-        room = np.stack([low[:, 0], high[:, 0], low[:, 1], high[:, 1]], 1)
-        room = np.where((low <= high).all(1)[:, None], room, grid.room)
-        made.append(replace(grid, room=room))
-    return made[0], made[1]
-
-
 def with_choice(
     body: Body, tubes: Tubes, part: Sequence[int], row: Sequence[Layer]
 ) -> tuple[list[Layer], list[Ints]]:
@@ -217,6 +174,8 @@ def with_choice(
     for t, layer in enumerate(row[1:], start=1):
         bits = reach_bits(body, tubes, part, t, layer.x, layer.y, layer.ix, layer.iy)
         keep = np.asarray(bits[layer.bit, np.arange(len(layer))], dtype=bool)
+        kind = layer.x.kind[layer.ix]
+        keep &= (kind < 0) | np.isin(kind, part)
         x, y = drawn_in(tubes, part, t, layer.x, layer.y)
         made.append(restrict(replace(layer, x=x, y=y), keep))
         kept.append(np.flatnonzero(keep))
@@ -229,15 +188,6 @@ def cells_of(mask: Bools, a: Layer, b: Layer, cells: int) -> Bools:
     i, j = np.nonzero(mask)
     found[a.cell[i], b.cell[j]] = True
     return found
-
-
-def _projected(x: AxisGrid, y: AxisGrid, ix: Ints, iy: Ints, d: Floats) -> Floats:
-    """(n, 4): ranges of (d.p, d.w) over the boxes."""
-    out = []
-    for k in (0, 2):
-        a, b = d[0] * x.box[:, k : k + 2], d[1] * y.box[:, k : k + 2]
-        out += [a.min(1)[ix] + b.min(1)[iy], a.max(1)[ix] + b.max(1)[iy]]
-    return np.stack(out, 1)
 
 
 def _children(x: AxisGrid, y: AxisGrid, old: Layer) -> tuple[Ints, Ints, Ints]:
@@ -268,6 +218,7 @@ def _parents(fine: AxisGrid, coarse: AxisGrid) -> Ints:
     else:
         inside &= fine.cell[:, None] == coarse.cell[None]
         inside &= fine.thin[:, None] == coarse.thin[None]
+    inside &= (fine.kind[:, None] == coarse.kind[None]) | (coarse.kind[None] < 0)
     order = np.argsort(~inside, axis=1, kind="stable")[:, : max(1, int(inside.sum(1).max()))]
     return np.where(np.take_along_axis(inside, order, axis=1), order, -1).T
 

@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 
 from stlc.arrays import Bools, Floats, Ints
-from stlc.solve.relaxation.problem import Body, Singles
+from stlc.solve.relaxation.problem import Axis, Body, Singles
 from stlc.solve.states.boxes import EPS, AxisGrid, feasible_pairs
 from stlc.solve.states.layers import Layer
 
@@ -96,8 +96,7 @@ def make_step(body: Body, t: int, a: Layer, b: Layer) -> Step:
     """All abstract steps from layer t to t + 1. A state whose choice is behind also follows one
     whose choice is ahead, where its boxes meet an alternative of step t + 1."""
     width = len(a.y.box)
-    along_x = feasible_pairs(a.x.room, b.x.room, body.axes[0])
-    along_y = feasible_pairs(a.y.room, b.y.room, body.axes[1])
+    along_x, along_y = (_between(a.grid(d), b.grid(d), body.axes[d]) for d in (0, 1))
     count = np.bincount(along_x[0], minlength=len(a.x.box))
     from_a, edge_a = spread(np.cumsum(count) - count, count, a.ix)
     key_a = (along_x[1][edge_a] * width + a.iy[from_a]) * 2 + a.bit[from_a]
@@ -117,6 +116,13 @@ def make_step(body: Body, t: int, a: Layer, b: Layer) -> Step:
         Half(len(a), len(middle), from_a[hit_a], at_a[hit_a], edge_a[hit_a]),
         Half(len(middle), len(b), at_b[hit_b], to_b[hit_b], edge_b[hit_b]),
     )  # fmt: skip
+
+
+def _between(a: AxisGrid, b: AxisGrid, axis: Axis) -> tuple[Ints, Ints]:
+    """Steps along an axis; runs stay with the alternative that they take."""
+    i, j = feasible_pairs(a.room, b.room, axis)
+    same = (a.kind[i] == b.kind[j]) | (a.kind[i] < 0) | (b.kind[j] < 0)
+    return i[same], j[same]
 
 
 def _taken(body: Body, t: int, layer: Layer) -> Bools:

@@ -17,13 +17,14 @@ from stlc.backends.base import SolveOptions, Status
 from stlc.record import changed
 from stlc.solve import tuning
 from stlc.solve.bounders.agreement import Agreement, no_prices
+from stlc.solve.bounders.prices import sliced
 from stlc.solve.bounders.shares import coarsened
 from stlc.solve.bounders.team_ascent import TeamAscent
 from stlc.solve.relaxation.problem import Problem
 from stlc.solve.relaxation.recognise import recognise
 from stlc.solve.restricted.frame import Frame
 from stlc.solve.restricted.session import Session
-from stlc.solve.states.layers import Layer, Maker, rate_borders
+from stlc.solve.states.layers import Layer, Maker, rate_borders, restrict
 from stlc.solve.states.tubes import tubes
 from stlc.solve.strategies import run_strategy
 from stlc.solve.strategy import Work
@@ -64,7 +65,7 @@ def test_same_optimum_by_branching_alone(
     are cells never, from nodes of few states on, or always."""
     small = changed(
         tuning.TEAM, coarse_cells=4 if borders < 1000 else 100, leaf_pairs=60, open_leaf_pairs=20,
-        dive_pairs=60, border_states=borders,
+        dive_pairs=60, border_states=borders, stage_rounds=3, pairs=20_000, worth_halves=0.2,
     )  # fmt: skip
     monkeypatch.setattr(tuning, "TEAM", small)
     compiled = compiled_mission(tmp_path, seed, Variant(agents=3, steps=3, cells=4))
@@ -96,6 +97,25 @@ def test_sweeps_never_lower_the_bound_and_prices_add_up_to_nothing(tmp_path: Pat
             prices = [agreement.prices.states[p][p.index(n)][t] for p in own]
             total = np.sum([p[np.isfinite(prices[0])] for p in prices], axis=0)
             assert np.abs(total).max(initial=0.0) < 1e-9
+
+
+def test_bounds_by_where_an_agent_ends_are_those_without_its_other_ends(tmp_path: Path) -> None:
+    problem = recognise(compiled_mission(tmp_path, 0, VARIANTS["four"]), borders=True)
+    assert problem is not None
+    with ThreadPoolExecutor(1) as pool:
+        agreement = _agreement(problem, pool)
+        agreement.prepare()
+        bound, last = agreement.forward(), agreement.rows[1][-1]
+        groups = np.arange(len(last)) * 3 // len(last)
+        found = agreement.least_by(1, groups)
+        assert found.min() == pytest.approx(bound, abs=1e-4)
+        for group in range(3):
+            index = [[np.arange(len(layer)) for layer in row] for row in agreement.rows]
+            index[1][-1] = np.flatnonzero(groups == group)
+            rows = [list(row) for row in agreement.rows]
+            rows[1][-1] = restrict(last, groups == group)
+            part = Agreement(problem, rows, sliced(agreement.prices, index), None, pool)
+            assert found[group] == pytest.approx(part.prepare(), abs=1e-4)
 
 
 def test_one_worker_or_two_find_the_same(tmp_path: Path) -> None:
@@ -154,7 +174,8 @@ def test_an_ascent_raises_the_bound_beyond_sweeps_and_never_above_the_optimum(
             agreement.forward()
             agreement.backward()
         before = agreement.bound
-        rows, prices = TeamAscent(agreement).climb(lambda: False, optimum - before)
+        ascent = TeamAscent(agreement)
+        rows, prices = ascent.taken(ascent.climb(lambda: False, optimum - before)[0])
         after = Agreement(problem, rows, prices, None, pool)
         found = after.prepare()
     assert before + 1e-3 < found <= optimum + 1e-6

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from support.bodies import holding, layers_of, problem_of, walks
 
-from stlc.solve.relaxation.problem import Place
-from stlc.solve.states.layers import with_choice
+from stlc.arrays import Floats
+from stlc.solve.relaxation.problem import Body, Place
+from stlc.solve.states.halved import halved
+from stlc.solve.states.layers import Layer, Maker, rate_borders, with_choice
 from stlc.solve.states.steps import both_ways, make_step
 from stlc.solve.states.tubes import boxes_meet, tubes
 
@@ -35,7 +37,34 @@ def test_tubes_hold_every_run_along_every_direction(seed: int) -> None:
 def test_layers_and_steps_hold_every_run(seed: int, bins: int) -> None:
     rng = np.random.default_rng(seed)
     problem = problem_of(rng, agents=1, steps=4)
-    body, row = problem.bodies[0], layers_of(problem, bins)[0]
+    _assert_held(rng, problem.bodies[0], layers_of(problem, bins)[0])
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_halved_boxes_hold_every_run(seed: int) -> None:
+    """Any boxes, along the position or along the rate, and halves of halves."""
+    rng = np.random.default_rng(seed)
+    problem = problem_of(rng, agents=1, steps=4)
+    body, row = problem.bodies[0], layers_of(problem, 1)[0]
+    sets = tubes(body, 4)
+    for _ in range(2):
+        finer = []
+        for t, layer in enumerate(row):
+            x, y = (rng.integers(-1, 2, len(layer.grid(d).box)) for d in (0, 1))
+            made = halved(layer, (x, y), body, sets, sets.possible, t) if t else layer
+            for d, index in enumerate(("ix", "iy")):
+                box = made.grid(d).box[getattr(made, index)]
+                whole = layer.grid(d).box[getattr(layer, index)[made.parent]]
+                assert (box[:, ::2] >= whole[:, ::2]).all()
+                assert (box[:, 1::2] <= whole[:, 1::2]).all()
+            finer.append(made)
+        assert sum(map(len, finer)) > sum(map(len, row))
+        row = finer
+    _assert_held(rng, body, row)
+
+
+def _assert_held(rng: np.random.Generator, body: Body, row: list[Layer]) -> None:
+    """Every run is in states of all layers, and steps lead from each to the next."""
     steps = [make_step(body, t, row[t], row[t + 1]) for t in range(4)]
     for walk in walks(rng, body, 4, 30):
         at = [holding(layer, walk, t) for t, layer in enumerate(row)]
@@ -73,7 +102,7 @@ def test_what_takes_an_alternative_stays_where_the_others_go(seed: int) -> None:
     places = (Place(0, 2, near), Place(1, 4, near + 0.2))
     body = replace(problem.bodies[0], places=places)
     problem = replace(problem, bodies=(body,))
-    row = layers_of(problem)[0]
+    row = layers_of(problem, 1)[0]
     kept, index = with_choice(body, tubes(body, 4), (0,), row)
     visits = [
         walk
@@ -86,3 +115,16 @@ def test_what_takes_an_alternative_stays_where_the_others_go(seed: int) -> None:
             at = holding(layer, walk, t)
             assert (layer.bit[at] == int(t >= 2)).any(), t
             assert np.isin(index[t][at], np.arange(len(row[t]))).all()
+    apart = Maker(problem, body, tubes(body, 4), (0, 1), _one_bin(body)).by_choice(row)
+    for walk in visits:
+        for t, layer in enumerate(apart[1:], start=1):
+            at = holding(layer, walk, t)
+            assert ((layer.x.kind[layer.ix[at]] == 0) & (layer.bit[at] == int(t >= 2))).any(), t
+    alone, index = with_choice(body, tubes(body, 4), (1,), apart)
+    for t, layer in enumerate(alone[1:], start=1):
+        assert (apart[t].x.kind[apart[t].ix[index[t]]] == 1).all()
+        assert (layer.x.kind == 1).all()
+
+
+def _one_bin(body: Body) -> tuple[Floats, Floats]:
+    return rate_borders(body.axes[0], 1), rate_borders(body.axes[1], 1)
