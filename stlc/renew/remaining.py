@@ -119,11 +119,12 @@ def _progression(mission: Mission, past: Past) -> Progression:
 
 def _judge(mission: Mission, past: Past) -> Evaluator:
     """What predicates were worth: on samples, `swept` ones by the motion between them, links at
-    the positions where agents were."""
+    the positions where agents were; before the first step as the verifier has them, by cells."""
     so_far = replace(mission, horizon=past.step)
     plan = _as_plan(so_far, past)
     subject = make_subject(so_far, plan, ChannelTables(so_far))
-    links = TrueModel(subject, CellModel(subject))
+    cells = CellModel(subject)
+    links = TrueModel(subject, cells) if past.step else cells
     trace = Trace(past.step + 1, subject.signals, links.robustness)
     return Evaluator(trace, swept_override(so_far, plan.runs, past.step) if past.step else _unknown)
 

@@ -156,14 +156,14 @@ def _bare(channel: Channel) -> Channel:
 
 
 def since(step: int, before: LinkEvaluator, after: LinkEvaluator) -> LinkEvaluator:
-    """Links judged by one model before a step and by another from it on."""
+    """Links judged by one model up to the step that was measured last, and by another after it."""
     if not step:
         return after
 
     def robustness(link: Link, positive: bool) -> Array:
         """Robustness (T+1,) of a link predicate."""
         values = after(link, positive).copy()
-        values[:step] = before(link, positive)[:step]
+        values[: step + 1] = before(link, positive)[: step + 1]
         return values
 
     return robustness

@@ -87,3 +87,24 @@ def test_disturbed_agents_begin_a_new_tube_where_they_are() -> None:
     late, early = (verify(mission, replace(found.plan, executed=k)) for k in (3, 0))
     rooms = [{r.name: r.robustness for r in v.requirements}["go"] for v in (late, early)]
     assert rooms[0] > rooms[1] + 1e-4  # the tube of a plan made earlier is wider by then
+
+
+BY_CELLS = """step 1 s
+workspace box [0, 10] x [0, 2]
+agent a : single_integrator { start (1, 1); control |u| <= 2 }
+station base at (0, 1)
+channel radio { path_loss L0 = -40 dBm, n = 2; partition [0, 2, 6, 10] x [0, 2] }
+require heard: always[0, 3] rssi(a, base) >= -52.1 dBm
+minimize effort
+"""
+
+
+@pytest.mark.parametrize("step", [0, 1, 2, 3])
+def test_the_step_that_was_measured_last_is_judged_where_agents_were(step: int) -> None:
+    """At 3 m the base is heard, and not anywhere in that cell: what was measured there counts."""
+    mission = api.loads(BY_CELLS.replace("[0, 3]", "[0, 4]"))
+    plan = api.solve(mission).plan
+    again = api.replan(mission, plan, step, {"a": np.array([3.0, 1.0])})
+    judged = {r.name: r.robustness for r in again.report.requirements}["heard"]
+    assert (judged >= 0.0) == again.kept == (step > 0)
+    assert verify(mission, again.plan).ok == (step > 0)
