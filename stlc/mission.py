@@ -223,6 +223,7 @@ class Mission:
     signals: tuple[str, ...] = ()  # free signals, for `stlc monitor`
     warnings: tuple[Diagnostic, ...] = ()
     workspace_swept: bool = False
+    workspace_levels: tuple[float, float] | None = None  # floor and ceiling [m]
     sense: Sense = Sense.MINIMIZE  # of what a person sees; `objective` is minimised
     params: Mapping[str, str] = field(default_factory=dict)  # what `-D` set, as it was given
     preferences: tuple[Preference, ...] = ()

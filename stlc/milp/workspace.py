@@ -3,6 +3,8 @@
     normals @ p(t) <= offsets                         t = 0..T
     normals @ (C_kj (x(t), u(t), 1)) <= offsets       t = 0..T-1, if the workspace is `swept`
 
+and floor and ceiling alike for who flies.
+
 C_kj, the Bezier points of part k of a step (`stlc/bezier.py`), hold the curve in their convex
 hull, so the workspace holds at all times. Tubes take their room off every offset; a robot goes
 straight, so that its samples say it all. Rows that the ranges imply are left out.
@@ -33,9 +35,22 @@ def add_workspace(ctx: Context, agent: Agent) -> None:
     if workspace is None or position is None:
         return
     _at_samples(ctx, agent, workspace, position)
-    if ctx.mission.workspace_swept and len(ctx.inputs[agent.name]):
-        for point in _between(agent, position, ctx.mission.step):
-            _at_point(ctx, agent, workspace, point)
+    if not ctx.mission.workspace_swept or not len(ctx.inputs[agent.name]):
+        return
+    for point in _between(agent, position, ctx.mission.step):
+        _at_point(ctx, agent, (workspace.normals, workspace.offsets), point)
+    height, levels = agent.dynamics.altitude, ctx.mission.workspace_levels
+    if height is not None and levels is not None:
+        faces = np.array([[1.0], [-1.0]]), _ends(agent, height, levels)
+        for point in _between(agent, height[None, :], ctx.mission.step):
+            _at_point(ctx, agent, faces, point)
+
+
+def _ends(agent: Agent, height: Floats, levels: tuple[float, float]) -> Floats:
+    """Ceiling and minus the floor, or bounds of the height that had to give way beyond them."""
+    k = int(np.argmax(height))
+    low, high = float(agent.state_lower[k]), float(agent.state_upper[k])
+    return np.array([max(levels[1], high), -min(levels[0], low)])
 
 
 def _at_samples(ctx: Context, agent: Agent, workspace: Polytope, position: Floats) -> None:
@@ -65,7 +80,8 @@ def _disc(agent: Agent, normal: Floats) -> float:
 
 
 def _between(agent: Agent, position: Floats, step: float) -> Iterator[Floats]:
-    """Bezier points of the position (2, n + m + 1) within a step, without its ends."""
+    """Bezier points of positions (d, n + m + 1), d rows of the state, within a step, without its
+    ends."""
     coarse = curve(agent.dynamics, step)
     assert coarse is not None, "a swept workspace was asked of a motion that isn't known"
     states = np.flatnonzero(position.any(axis=0)).tolist()
@@ -79,15 +95,16 @@ def _between(agent: Agent, position: Floats, step: float) -> Iterator[Floats]:
     yield from points[:, 1:].reshape(-1, *points.shape[2:])[:-1]
 
 
-def _at_point(ctx: Context, agent: Agent, workspace: Polytope, point: Floats) -> None:
-    """The same for a point (2, n + m + 1) of the motion within each step, linear in state and
-    input."""
+def _at_point(ctx: Context, agent: Agent, faces: tuple[Floats, Floats], point: Floats) -> None:
+    """Rows that keep a point (d, n + m + 1) of the motion within each step, linear in state and
+    input, inside faces: normals (F, d) and offsets (F,)."""
     ranges, name = ctx.ranges[agent.name], agent.name
     columns = np.hstack([ctx.states[name][:-1], ctx.inputs[name]])
-    rows, rest = (workspace.normals @ point)[:, :-1], workspace.normals @ point[:, -1]
+    normals, offsets = faces
+    rows, rest = (normals @ point)[:, :-1], normals @ point[:, -1]
     rows = np.where(np.abs(rows) <= 1e-12, 0.0, rows)
     room = np.abs(rows) @ _off(agent, len(columns)).T
-    for row, limits in zip(rows, (workspace.offsets - rest)[:, None] - room, strict=True):
+    for row, limits in zip(rows, (offsets - rest)[:, None] - room, strict=True):
         steps = np.flatnonzero(_most(row, ranges) > limits + 1e-9)
         used = np.flatnonzero(row)
         if len(steps):

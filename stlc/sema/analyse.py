@@ -118,7 +118,8 @@ def _build(file: ast.File, statements: list[ast.Statement], scope: Scope, files:
         ),
         sense=objective.sense(of(statements, ast.Objective)),
         signals=tuple(name for name in scope.signals if name not in scope.series),
-        workspace_swept=swept, preferences=tuple(wishes), walls=scope.walls,
+        workspace_swept=swept, workspace_levels=scope.space_levels, preferences=tuple(wishes),
+        walls=scope.walls,
     )  # fmt: skip
     return checks.checked(mission, scope)
 

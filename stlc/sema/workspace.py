@@ -7,15 +7,12 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from stlc.bezier import Curve
 from stlc.ir.nodes import walk
 from stlc.ir.requirement import Requirement
-from stlc.mission import Agent
 from stlc.sema.report import Mistake
 from stlc.sema.scope import Scope
 from stlc.sema.shape_errors import NotConvex
 from stlc.sema.shapes import Shaper
-from stlc.sema.space_errors import NotInSpace
 from stlc.sema.swept import known_curve, known_degree
 from stlc.syntax import ast
 
@@ -51,21 +48,7 @@ def holds_between(
         position = agent.dynamics.position
         if position is not None:
             with scope.report.guard():
-                states = [int(k) for k in np.flatnonzero(position.any(axis=0))]
                 moves = known_curve(agent, scope, statement.span)
+                states = np.flatnonzero(agent.dynamics.axes.any(axis=0)).tolist()
                 known_degree(moves, agent, states, statement.span)
-                _check_floor(agent, moves, statement, scope)
     return found
-
-
-def _check_floor(agent: Agent, moves: Curve, statement: ast.Workspace, scope: Scope) -> None:
-    """Floor and ceiling are bounds of states, which hold between the steps for straight motions."""
-    row = agent.dynamics.altitude
-    if scope.space_levels is None or row is None:
-        return
-    if known_degree(moves, agent, [int(np.argmax(row))], statement.span) > 1:
-        problem = f"floor and ceiling hold for `{agent.name}` at the steps only"
-        low, high = (f"{end:.10g} m" for end in scope.space_levels)
-        within = f"always ({low} <= {agent.name}.z <= {high}) swept"
-        hint = f"leave them out and ask for `{within}`, or say `sampled`"
-        raise Mistake(NotInSpace(span=statement.shape.span, problem=problem, hint=hint))

@@ -34,9 +34,13 @@ class Extremum:
 
 def inside(path: Path, piece: Polytope) -> Extremum:
     """min over time of the least distance to a face's line, negative beyond it."""
-    faces = piece.normals.T
-    slacks = (piece.offsets - path.c0 @ faces, -(path.c1 @ faces), -(path.c2 @ faces))
-    q0, q1, q2 = (q - off for q, off in zip(slacks, path.swayed(piece.normals), strict=True))
+    return behind(path, piece.normals, piece.offsets)
+
+
+def behind(path: Path, normals: Array, offsets: Array) -> Extremum:
+    """min over time of the least offset - normal @ place, of faces (F, width) and (F,)."""
+    slacks = (offsets - path.c0 @ normals.T, -(path.c1 @ normals.T), -(path.c2 @ normals.T))
+    q0, q1, q2 = (q - off for q, off in zip(slacks, path.swayed(normals), strict=True))
     return by_step(path, extremum(q0, q1, q2, lambda q: q.min(axis=-1)))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from stlc.ir.nodes import Role
 from stlc.mission import Mission
 from stlc.places import Polytope
-from stlc.verify.continuous import Extremum, inside
+from stlc.verify.continuous import Extremum, behind, inside
 from stlc.verify.paths import Path
 from stlc.verify.report import Violation
 from stlc.verify.subject import TOLERANCE
@@ -21,9 +21,9 @@ def workspace_violations(
 ) -> Iterator[Violation]:
     """Each agent that leaves the workspace after step `past`, where it is farthest out."""
     for name, step, out in _excursions(mission, motion, mission.workspace_swept, past):
-        x, y = motion[name].plane.at(np.array([step]))[0]
+        place = ", ".join(f"{c:.6g}" for c in motion[name].at(np.array([step]))[0])
         when = f"step {step:g}" if step == int(step) else f"{step * mission.step:.4g} s"
-        text = f"{name} at {when}: ({x:.6g}, {y:.6g}) lies {out:.3g} m outside the workspace"
+        text = f"{name} at {when}: ({place}) lies {out:.3g} m outside the workspace"
         yield Violation("workspace", text, out, step, name, mission.agents[name].span)
 
 
@@ -53,12 +53,30 @@ def _excursions(
         return
     for name in mission.agents:
         if name in motion:
-            path = motion[name].plane
-            found = inside(path, space) if swept else _at_steps(path, space, mission, name, past)
+            path = motion[name]
+            found = (
+                _between(path, mission, name)
+                if swept
+                else (_at_steps(path.plane, space, mission, name, past))
+            )
             row = ahead + int(found.value[ahead:].argmin())
             out = -float(found.value[row])
             if not out <= TOLERANCE:
                 yield name, row + float(found.where[row]), out
+
+
+def _between(path: Path, mission: Mission, name: str) -> Extremum:
+    """Distance to the nearest face [m] on the way from each step, floor and ceiling among them."""
+    assert mission.workspace is not None
+    found, levels = inside(path.plane, mission.workspace), mission.workspace_levels
+    if levels is None or mission.agents[name].dynamics.altitude is None:
+        return found
+    ends = np.array([levels[1], -levels[0]])
+    tall = behind(path, np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]), ends)
+    lower = tall.value < found.value
+    return Extremum(
+        np.where(lower, tall.value, found.value), np.where(lower, tall.where, found.where)
+    )
 
 
 def _at_steps(path: Path, space: Polytope, mission: Mission, name: str, past: int) -> Extremum:
