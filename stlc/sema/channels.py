@@ -144,8 +144,10 @@ def _prior(statement: ast.ChannelDecl, reader: Reader) -> ChannelModel:
     exponent = reader.number("n", units.PURE)
     l0 = reader.number("L0", units.DBM, _free_space(reader, name, exponent))
     if l0 is None or exponent is None:
-        what = "path_loss"
-        why = "L0 [dBm at 1 m] and n are needed" if l0 is None else "n is needed"
+        what = "path_loss" if l0 is None else "n"
+        why = (
+            "L0 [dBm at 1 m] and n are needed" if l0 is None else "the path-loss exponent is needed"
+        )
         raise Mistake(missing(name, what, why, span))
     shadowing = reader.variance("shadowing")
     length = reader.positive("length", units.METRE)

@@ -37,6 +37,7 @@ from stlc.syntax import ast
 
 USAGE = {
     "path_loss": "path_loss L0 = -40 dBm, n = 2",
+    "n": "n = 2",
     "noise_floor": "noise_floor -90 dBm",
     "modulation": "modulation oqpsk_802_15_4",
     "packet": "packet 32 bytes",

@@ -14,6 +14,18 @@ from stlc.syntax.tokens import NAME, Token
 
 _PAIRS: Final = {"RSQB": ("INDEX", "LSQB", "IVL"), "RPAR": ("CALL", "LPAR")}
 _SHAPES: Final = {"box": "box [x0, x1] x [y0, y1]", "polygon": "polygon (x, y) (x, y) (x, y)"}
+_OUTSIDE, _IN, _ONCE = "`a outside p`", "`a in p`", "`eventually[0, 8] a in p`"
+_SAID: Final = {
+    "avoid": _OUTSIDE, "avoids": _OUTSIDE, "avoiding": _OUTSIDE,
+    "inside": _IN, "within": f"{_IN} of a place, `eventually[0, 8]` before it of a time",
+    "stays": f"`always` before {_IN}", "stay": f"`always` before {_IN}",
+    "remains": f"`always` before {_IN}",
+    "reach": _ONCE, "reaches": _ONCE, "visit": _ONCE, "visits": _ONCE, "enters": _ONCE,
+    "near": "`distance(a, b) <= 2 m`", "sees": "`distance(a, b) <= 2 m`",
+    "hears": "`rssi(a, b) >= -70 dBm`",
+    "before": "`(not q) until p`", "after": "`eventually (q and eventually p)`",
+}  # fmt: skip
+"""What people say instead of an operator, and how it is said here."""
 _AFTER_UNIT: Final = frozenset(
     {"$END", "AND", "OR", "IMPLIES", "IFF", "RPAR", "RSQB", "RBRACE", "SEP", "COMMA", "COLON"}
 )
@@ -77,8 +89,18 @@ def _shape(source: Source, tokens: list[Token], index: int) -> Diagnostic | None
 
 
 def _binary(source: Source, token: Token) -> Diagnostic | None:
-    """`x > 0 adn y > 0`."""
-    return _operator(source, token, BINARY) if token.kind == NAME else None
+    """`x > 0 adn y > 0`, `r avoids pillar`."""
+    if token.kind != NAME:
+        return None
+    advice = _SAID.get(token.text)
+    if advice is None:
+        return _operator(source, token, BINARY)
+    return SyntaxMistake(
+        span=source.span(token.start, token.end),
+        what=f"`{token.text}` is no operator",
+        place="read as a name",
+        advice=f"write {advice}",
+    )
 
 
 def _unary(source: Source, tokens: list[Token], index: int) -> Diagnostic | None:

@@ -49,6 +49,8 @@ def test_the_fix_makes_the_statement_valid(text: str, mended: str) -> None:
         ("minimize effort, link_cost(radio)", "costs are added up"),
         ("region g = circle (1, 2) 3", "there is no shape `circle`"),
         ("require a: x > 3 furlongs", "`3 furlongs` is neither"),
+        ("require a: always r avoids p", "`avoids` is no operator"),
+        ("require a: r reaches g", "`reaches` is no operator"),
         ("require a: x > 3 y > 4", "two formulas side by side"),
         ("region goal box [0, 1] x [0, 1]", "`=` is missing"),
     ],
