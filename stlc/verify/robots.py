@@ -24,6 +24,8 @@ _TOLERANCE = 1e-6
 _MOVING = 1e-6
 """m/s: slower than that a car rests, whatever steering its wheels' rounding errors would need."""
 
+_MOST = 0.9  # of its speed that a unicycle may use before it is said what keeps it from the rest
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Drive:
@@ -165,9 +167,19 @@ def robot_notes(mission: Mission, found: Mapping[str, Drive]) -> Iterator[str]:
             continue
         yield (
             f"{name} drives within {robot.radius:.4g} m of the plan, that of a point "
-            f"{robot.lookahead:.4g} m ahead of it: at most {np.abs(driven.speeds).max():.3g} m/s, "
-            f"{_turning(robot, driven)}"
+            f"{robot.lookahead:.4g} m ahead of it: at most {np.abs(driven.speeds).max():.3g} m/s"
+            f"{_held_back(robot)}, {_turning(robot, driven)}"
         )
+
+
+def _held_back(robot: Robot) -> str:
+    """What a short lookahead leaves of a unicycle's speed, where that is well below it."""
+    b = robot.lookahead
+    if robot.kind is not RobotKind.UNICYCLE or b * robot.turning > _MOST * robot.speed:
+        return ""
+    return (
+        f" (its `lookahead` times `turn_rate` allows {b * robot.turning:.3g} of {robot.speed:.3g})"
+    )
 
 
 def _turning(robot: Robot, driven: Drive) -> str:

@@ -237,6 +237,8 @@ def test_predicates_leave_room_for_the_disc() -> None:
     r = radius(mission.agents["r"].robot)
     assert values["on"] == pytest.approx(100 - 0.2 - r, abs=1e-9)
     assert values["slant"] == pytest.approx(60 - 3 * 0.2 - 5 * r, abs=1e-9)
+    slow = "(its `lookahead` times `turn_rate` allows 0.4 of 1)"
+    assert any(slow in note for note in verify(mission, plan).notes)
 
 
 TALK = """step 1 s
