@@ -98,7 +98,7 @@ def glance(
 def _pieces(text: str, path: Path | None, before: Document | None) -> Pieces:
     """A text in pieces, those of another one taken over."""
     source = Source(path.name if path else "mission.stl", text)
-    return cut(source, before.pieces.known if before else {})
+    return cut(source, before.pieces if before else None)
 
 
 def _imports(file: ast.File, folder: Path, seen: set[str], deep: int) -> list[Imported]:

@@ -6,7 +6,7 @@ A statement begins where the parser knows nothing of what stands before it
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -22,6 +22,9 @@ from stlc.syntax.parse import ParseResult, parse
 from stlc.syntax.screen import oversized
 from stlc.syntax.split import split
 from stlc.syntax.tokens import COMMENT, Token, tokenize
+
+_AROUND = 2
+"""Pieces around a change that are cut anew."""
 
 _PLACELESS = frozenset({str, float, int, bool, type(None)})
 
@@ -40,7 +43,8 @@ class Piece:
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """A text and its pieces, in order, with where each starts."""
+    """A text and its pieces, in order, with where each starts, and the comments, those within
+    pieces too."""
 
     source: Source
     starts: tuple[int, ...]
@@ -92,19 +96,69 @@ class Pieces:
             yield from ((at, statement) for statement in piece.read.file.statements)
 
 
-def cut(source: Source, known: Mapping[str, Piece]) -> Pieces:
-    """A text in pieces; those that are `known` by their characters are not read again."""
+def cut(source: Source, before: Pieces | None = None) -> Pieces:
+    """A text in pieces; those that stood `before`, wherever, are not read again."""
     if oversized(source) is not None:
         return Pieces(source, (0,), (Piece(parse(source)),), ())
-    tokens = list(tokenize(source.text))
+    known = before.known if before else {}
+    found = None if before is None else _patched(source, before, known)
+    return found or _cut(source, 0, len(source.text), known)
+
+
+def _cut(source: Source, start: int, end: int, known: Mapping[str, Piece]) -> Pieces:
+    """The characters [start, end) of a text in pieces."""
+    text = source.text[:end]
+    tokens = list(tokenize(text, start))
     comments = tuple(token for token in tokens if token.kind == COMMENT)
     starts, pieces = [], []
     for chunk in split(source, [token for token in tokens if token.kind != COMMENT]):
-        start, end = chunk.tokens[0].start, chunk.tokens[-1].end
-        text = source.text[start:end]
-        starts.append(start)
-        pieces.append(known.get(text) or Piece(parse(Source(source.name, text))))
+        first, last = chunk.tokens[0].start, chunk.tokens[-1].end
+        own = text[first:last]
+        starts.append(first)
+        pieces.append(known.get(own) or Piece(parse(Source(source.name, own))))
     return Pieces(source, tuple(starts), tuple(pieces), comments)
+
+
+def _patched(source: Source, before: Pieces, known: Mapping[str, Piece]) -> Pieces | None:
+    """A text that differs from one before in one place, cut anew around that only; None where the
+    cuts don't meet again.
+
+    A cut depends on nothing before it, and on the first words of what follows: two pieces on either
+    side are more than enough.
+    """
+    old, new, starts = before.source.text, source.text, before.starts
+    same, end = _common(old, new)
+    first = bisect_right(starts, same) - _AROUND
+    last = bisect_left(starts, len(old) - end) + _AROUND
+    if first < 0 or last + _AROUND >= len(starts):
+        return None
+    by = len(new) - len(old)
+    middle = _cut(source, starts[first], starts[last + _AROUND] + by, known)
+    if starts[last] + by not in middle.starts:
+        return None
+    met = middle.starts.index(starts[last] + by)
+    ahead = [c for c in before.comments if c.start < starts[first]]
+    inner = [c for c in middle.comments if c.start < starts[last] + by]
+    rest = [
+        c._replace(start=c.start + by, end=c.end + by)
+        for c in before.comments
+        if c.start >= starts[last]
+    ]
+    return Pieces(
+        source,
+        (*starts[:first], *middle.starts[:met], *(s + by for s in starts[last:])),
+        (*before.pieces[:first], *middle.pieces[:met], *before.pieces[last:]),
+        (*ahead, *inner, *rest),
+    )
+
+
+def _common(one: str, other: str) -> tuple[int, int]:
+    """How many characters two texts begin with, and how many of the rest they end with, alike."""
+    most = min(len(one), len(other))
+    same = bisect_left(range(1, most + 1), True, key=lambda n: one[:n] != other[:n])
+    most -= same
+    end = bisect_left(range(1, most + 1), True, key=lambda n: one[-n:] != other[-n:])
+    return same, end
 
 
 def moved(node: Any, source: Source, by: int) -> Any:

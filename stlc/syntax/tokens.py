@@ -58,13 +58,13 @@ def _pattern() -> re.Pattern[str]:
     return re.compile(rf"[ \t\r\f]*(?:{body})")
 
 
-def tokenize(text: str) -> Iterator[Token]:
-    """All tokens, newlines and comments included."""
-    for match in _pattern().finditer(text, 0, len(text.rstrip(" \t\r\f"))):
+def tokenize(text: str, start: int = 0) -> Iterator[Token]:
+    """All tokens from `start` on, newlines and comments included."""
+    for match in _pattern().finditer(text, start, len(text.rstrip(" \t\r\f"))):
         kind = match.lastgroup
         if kind is not None:
-            start, end = match.span(kind)
-            yield Token(kind, match[kind], start, end)
+            first, end = match.span(kind)
+            yield Token(kind, match[kind], first, end)
 
 
 _NUMBER = re.compile(r"([\d.]+(?:[eE][+-]?\d+)?)[ \t]*(.*)")

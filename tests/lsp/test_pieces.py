@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from stlc.lsp import pieces
 from stlc.lsp.document import glance, read_document
 from stlc.lsp.pieces import cut
 from stlc.source import Source
 from stlc.syntax.parse import parse
+from stlc.syntax.tokens import Token, tokenize
 
 ROOT = Path(__file__).parents[2]
 MISSIONS = sorted(
@@ -20,12 +24,13 @@ MISSIONS = sorted(
 LONG = "step 1 s\nagent r : double_integrator { start (1, 1) } # who moves\n" + "".join(
     f"param p{k} = {k} m\nrequire a{k}: always r.x >= p{k}\n" for k in range(60)
 )
+BEFORE = cut(Source("m.stl", LONG))
 
 
 @pytest.mark.parametrize("path", MISSIONS, ids=lambda p: p.name)
 def test_pieces_say_what_the_whole_says(path: Path) -> None:
     source = Source(path.name, path.read_text(errors="replace"))
-    whole, found = parse(source), cut(source, {})
+    whole, found = parse(source), cut(source)
     assert found.ok == whole.ok
     if whole.ok:
         assert found.result == whole
@@ -66,3 +71,48 @@ def test_an_edited_text_is_checked_as_if_it_were_read_for_the_first_time() -> No
         ]
         assert told[0] == told[1]
         assert all(d.span.source.text == edited for d in again.diagnostics if d.span)
+
+
+TOKENS = [
+    "x",
+    "require",
+    "a:",
+    "\n",
+    " ",
+    "(",
+    ")",
+    "{",
+    "}",
+    ";",
+    "# c",
+    '"',
+    "3 m",
+    "always",
+    "\n",
+    "param p = 1\n",
+]
+
+
+@given(st.integers(0, len(LONG)), st.integers(0, 40), st.lists(st.sampled_from(TOKENS), max_size=4))
+@settings(max_examples=150, deadline=None)
+def test_a_patched_text_is_cut_as_if_it_were_whole(at: int, gone: int, put: list[str]) -> None:
+    edited = LONG[:at] + "".join(put) + LONG[at + gone :]
+    source = Source("m.stl", edited)
+    patched, fresh = cut(source, BEFORE), cut(source)
+    assert patched.starts == fresh.starts
+    assert patched.comments == fresh.comments
+    assert [p.read.file.source.text for p in patched.pieces] == [
+        p.read.file.source.text for p in fresh.pieces
+    ]
+
+
+def test_only_what_is_around_a_change_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked: list[int] = []
+
+    def counted(text: str, start: int = 0) -> Iterator[Token]:
+        looked.append(len(text) - start)
+        return tokenize(text, start)
+
+    monkeypatch.setattr(pieces, "tokenize", counted)
+    cut(Source("m.stl", LONG.replace("always r.x >= p30", "always r.y >= p30")), BEFORE)
+    assert sum(looked) < 400
