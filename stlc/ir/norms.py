@@ -34,3 +34,9 @@ class Norms:
         terms = tuple((signal, -factor) for signal, factor in self.rest.terms)
         lengths = tuple((-factor, parts) for factor, parts in self.lengths)
         return Norms(Sum(terms, -self.rest.constant), lengths, self.unit)
+
+    @property
+    def owners(self) -> frozenset[str]:
+        """Whose signals take part."""
+        sums = (self.rest, *(part for _, parts in self.lengths for part in parts))
+        return frozenset(signal.owner for part in sums for signal, _ in part.terms)

@@ -20,6 +20,7 @@ from stlc.sema import (
     imports,
     objective,
     preferences,
+    props,
 )
 from stlc.sema.costs import is_cost
 from stlc.sema.durations import durations
@@ -235,8 +236,11 @@ def _horizon(statement: ast.Horizon | None, scope: Scope) -> int | None:
 
 
 def _unused_lets(lets: list[ast.Let], scope: Scope) -> None:
-    """A plain `let` is evaluated even if nobody uses it, so that its mistakes are found."""
+    """A plain `let` is evaluated even if nobody uses it, so that its mistakes are found; no
+    parameter of any stands twice."""
     for let in lets:
+        with scope.report.guard():
+            props.distinct(let.parameters)
         if let.parameters or let.name.text in scope.memo:
             continue
         if not is_cost(let.body, Env({}), scope):

@@ -109,7 +109,7 @@ def from_matrices(
         ]
     a, b, drift = given[0].A, given[0].B, given[0].drift
     states = _names(block, "states", "x", n)
-    inputs = _names(block, "inputs", "u", m)
+    inputs = _names(block, "inputs", "u", m, taken=states)
     position = _indices(block, "position", states) or _default(states, ("px", "py", "pz"))
     velocity = _indices(block, "velocity", states) or _default(states, ("vx", "vy", "vz"))
     rows = None if position is None else np.eye(n)[list(position)]
@@ -146,7 +146,9 @@ def _between(block: props.Block, given: Flow | None, dt: float) -> tuple[Flow | 
     return (given if continuous else held_flow(given, dt)), False
 
 
-def _names(block: props.Block, key: str, letter: str, count: int) -> tuple[str, ...]:
+def _names(
+    block: props.Block, key: str, letter: str, count: int, taken: Sequence[str] = ()
+) -> tuple[str, ...]:
     """`count` distinct names, or the letter numbered from 0 where the file gives none."""
     item = block.get(key)
     if item is None:
@@ -154,7 +156,7 @@ def _names(block: props.Block, key: str, letter: str, count: int) -> tuple[str, 
     found = props.names(item, f"{key} px py vx vy")
     texts = tuple(n.text for n in found)
     for k, name in enumerate(found):
-        if name.text in texts[:k]:
+        if name.text in (*taken, *texts[:k]):
             raise Mistake(Redeclared(span=name.span, name=name.text))
     if len(texts) != count:
         raise props.bad(item, f"gives {len(texts)} names, the matrices have {count}", f"{key} ..")
@@ -214,6 +216,7 @@ def with_outputs(base: Dynamics, outputs: Sequence[ast.Property], scope: Scope) 
     """The dynamics with further named linear signals."""
     if not outputs:
         return base
+    props.distinct([item.key for item in outputs])
     env = Env(_signals(base))
     found = {item.key.text: _output(base, item, env, scope) for item in outputs}
     return replace(base, outputs=found)

@@ -47,6 +47,16 @@ def block(
     return Block(owner, by_key)
 
 
+def distinct(names: Sequence[ast.Ident]) -> None:
+    """Raise Mistake at the first name that stands twice."""
+    first: dict[str, Span] = {}
+    for name in names:
+        if name.text in first:
+            twice = Redeclared(span=name.span, name=name.text)
+            raise Mistake(with_note(twice, "declared here before", first[name.text]))
+        first[name.text] = name.span
+
+
 def unknown_property(owner: str, item: ast.Property, known: Sequence[str]) -> UnknownProperty:
     """The diagnostic for a key that the block doesn't know."""
     key = item.key

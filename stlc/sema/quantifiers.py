@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from math import prod
 
+from stlc.sema import props
 from stlc.sema.name_errors import EmptyDomain, TooManyPieces, WrongKind
 from stlc.sema.report import Mistake, Reported
 from stlc.sema.scope import MOST_WORK, Scope
@@ -18,6 +19,7 @@ MOST_MEMBERS = 100_000
 
 def assignments(expr: ast.Quantifier, env: Env, scope: Scope) -> list[Mapping[str, Value]]:
     """One binding of the variables for each member of the domain."""
+    props.distinct(expr.variables)
     domain = domain_items(expr.domain, env, scope)
     names = [v.text for v in expr.variables]
     if len(names) == 1:

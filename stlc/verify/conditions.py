@@ -68,9 +68,7 @@ class Motions:
 
     def _exact(self, norms: Norms) -> bool:
         """Whether all who take part in lengths are on their paths; else their faces are judged."""
-        sums = (norms.rest, *(part for _, parts in norms.lengths for part in parts))
-        owners = {signal.owner for part in sums for signal, _ in part.terms}
-        return not any(o in self.radii or self.paths[o].sways for o in owners)
+        return not any(o in self.radii or self.paths[o].sways for o in norms.owners)
 
     def _along(self, found: Sequence[Atom], combine: Combine, steps: slice) -> tuple[Array, Array]:
         """Least values (pieces,) of what lengths take part in, and errors (pieces, atoms)."""

@@ -123,11 +123,15 @@ class Evaluator:
         self._class[id(node), positive] = number
 
     def _value(self, node: Node, parts: list[int], positive: bool) -> Array:
-        if node.norms is not None and not self._faces and not self.trace.spread:
+        if node.norms is not None and not self._faces and self._exact(node.norms):
             steps = min(len(self._values[k]) for k in parts)  # faces of a motion look ahead
             return self._scaled(_lengths(node.norms, self.trace)[:steps], node.norms.unit)
         value = _value(node, [self._values[k] for k in parts], self.trace, positive)
         return self._scaled(value, unit(node)) if isinstance(node, Linear | Link) else value
+
+    def _exact(self, norms: Norms) -> bool:
+        """Whether nobody who takes part is off its run; else the faces are judged."""
+        return not norms.owners & {owner for owner, _ in self.trace.spread}
 
     def _scaled(self, value: Array, measured_in: str) -> Array:
         return np.asarray(value / self._scales.get(measured_in, 1.0)) if self._scales else value

@@ -51,6 +51,18 @@ def test_the_verifier_measures_lengths(requirement, value):
     assert robustness(requirement) == pytest.approx(value, abs=1e-9)
 
 
+def test_lengths_of_who_is_not_disturbed_are_euclidean_beside_who_is():
+    other = (
+        "agent d : single_integrator {{ start (9, 9); control |u| <= 1; disturbance |w| <= 0.1 }}"
+    )
+    text = (HEAD + other).format("always distance(r1, base) >= 3.005")
+    mission = loads(text)
+    runs = {name: np.tile(agent.start, (2, 1)) for name, agent in mission.agents.items()}
+    plan = make_plan(mission, runs, dict.fromkeys(runs, np.zeros((1, 2))))
+    found = verify(mission, plan).requirements[0]
+    assert found.robustness == pytest.approx(D - 3.005, abs=1e-9)
+
+
 STAY, WEST, SOUTH = (0.0, 0.0), (-1.0, 0.0), (0.0, -1.0)
 
 
