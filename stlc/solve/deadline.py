@@ -65,7 +65,7 @@ class Deadline:
 class Stopwatch:
     """Seconds since it was made."""
 
-    began: float = field(default_factory=time.monotonic)
+    began: float = field(default_factory=lambda: time.monotonic())
 
     @property
     def seconds(self) -> float:

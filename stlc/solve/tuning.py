@@ -165,7 +165,7 @@ class Route(Record):
     growth: float = 2.0  # how much longer the next grid takes
     hardly: float = 2.0  # a grid is left out whose next has at most so many times its moves
     rooms: tuple[float, ...] = (0.0, 1.0)  # steps: how far from where ways have their visits
-    guesses: int = 2  # ascents ahead of a first plan; 1: plan of rounds_40 15 % dearer, 3: flat
+    guesses: int = 2  # ascents ahead of a first plan; 1: plan of rounds_40 14 % dearer, 4: flat
     climb_rounds: int = 12  # of each; 20: flat, 0.7 times as fast for rounds_100
     heat: float = 0.03  # of the gap
     cooler: float = 0.3  # where that rises no more

@@ -86,6 +86,7 @@ def test_the_rest_of_a_conflict_can_hold_where_nothing_else_is_given() -> None:
         assert oracle(found.clauses, {given, *spare}) is Verdict.FEASIBLE
 
 
+@pytest.mark.slow
 def test_tubes_and_steering_are_members() -> None:
     head = "horizon 5\nworkspace box [0, 10] x [0, 10]\nagent r : "
     tail = "region dock = box [6, 6.9] x [4, 6]\nrequire go: eventually[0, 5] r in dock\n"

@@ -156,7 +156,10 @@ minimize effort
 require talk: eventually[2, 4] """
 
 
-@pytest.mark.parametrize("ends", ["a, b", "a, cart", "cart, b", "a, mast", "cart, mast"])
+BOTH_FLY = pytest.param("a, b", marks=pytest.mark.slow)
+
+
+@pytest.mark.parametrize("ends", [BOTH_FLY, "a, cart", "cart, b", "a, mast", "cart, mast"])
 def test_the_polygon_of_a_link_in_space(ends: str) -> None:
     """Around in the plane; up and down too where all that move fly."""
     mission = loads(f"{SPACE}rssi({ends}) >= -72 dBm\n")

@@ -135,6 +135,7 @@ def test_a_plan_lies_near_the_cheapest_run(tmp_path: Path) -> None:
     assert near.objective <= optimum(one) + 0.1 * abs(optimum(one))
 
 
+@pytest.mark.slow
 def test_the_strategy_answers_with_the_optimum(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
