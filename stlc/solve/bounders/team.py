@@ -45,7 +45,7 @@ class Tree:
         self.session, self.problem, self.pool = session, session.problem, pool
         self.frame = session.frame
         self.tubes = [tubes(body, self.problem.steps) for body in self.problem.bodies]
-        self.visited = 0
+        self.visited = self._plunges = 0  # nodes; as of which plans are looked for again
         agents = range(len(self.problem.bodies))
         self._free = itertools.cycle(itertools.combinations(agents, 2))
         self._polished = np.inf
@@ -100,7 +100,8 @@ class Tree:
             if node.bound >= session.cutoff:
                 return Expansion(closed=node.bound)
             node.tried = True
-        elif self.visited % tuning.TEAM.plunge_every == 1:
+        elif self.visited >= self._plunges and not (node.by_choice and node.has_open_choice):
+            self._plunges = self.visited + tuning.TEAM.plunge_every
             self._plunge(node, agreement)
             self._polish()
         return self._branch(node, agreement)
