@@ -100,9 +100,10 @@ class Tree:
             if node.bound >= session.cutoff:
                 return Expansion(closed=node.bound)
             node.tried = True
-        elif self.visited >= self._plunges and not (node.by_choice and node.has_open_choice):
+        elif self.visited >= self._plunges:
             self._plunges = self.visited + tuning.TEAM.plunge_every
-            self._plunge(node, agreement)
+            if not (node.by_choice and node.has_open_choice):
+                self._plunge(node, agreement)
             self._polish()
         return self._branch(node, agreement)
 
