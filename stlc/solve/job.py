@@ -219,8 +219,8 @@ class Job:
         except SolverError:
             if self.backend.name != "highs" or self.deadline.over():
                 raise
-            model, options = self.compiled.model, self._options()
-            exact = replace(options, extra={**options.extra, **EXACT}, on_progress=None)
+            model, extra = self.compiled.model, {**self.settings.extra, **EXACT}
+            exact = replace(self.deadline.bind(asked), extra=extra)
             again = self._supervise(lambda o: self.backend.solve(model, o), exact)
             if again is None or again.status not in (Status.OPTIMAL, Status.FEASIBLE):
                 raise
