@@ -47,7 +47,7 @@ def between_steps(node: Node, scope: Scope, span: Span) -> Node:
         return node
     if node.member is not None:
         return replace(swept_membership(node.member, scope), span=node.span)
-    pushed = _pushed(node, True, scope, span)
+    pushed = _pushed(node, True, scope, span, {})
     if pushed.member is not None:
         return between_steps(pushed, scope, span)
     placed = any(n.member is not None for n in walk(pushed))
@@ -57,18 +57,30 @@ def between_steps(node: Node, scope: Scope, span: Span) -> Node:
     return replace(sweep(pushed, scope, span), span=span, swept=claim)
 
 
-def _pushed(node: Node, positive: bool, scope: Scope, span: Span) -> Node:
+_Done = dict[tuple[int, bool], Node]
+"""By node and sign: formulas that use a part often have more paths than could be walked."""
+
+
+def _pushed(node: Node, positive: bool, scope: Scope, span: Span, done: _Done) -> Node:
     """A condition, or its negation, without `not`, `implies` and `iff`. Raises Mistake (E0412).
 
     The negation of `in` is `outside`, which closes what touches, and the other way round.
     """
+    key = id(node), positive
+    if key not in done:
+        done[key] = _push(node, positive, scope, span, done)
+    return done[key]
+
+
+def _push(node: Node, positive: bool, scope: Scope, span: Span, done: _Done) -> Node:
+    """The same of a node that is met for the first time."""
     if node.member is not None:
         return node if positive else replace(opposite(node.member, scope), span=node.span)
     if node.swept is not None or (positive and isinstance(node, Linear | Const | Timed)):
         return node
 
     def pushed(part: Node, sign: bool = True) -> Node:
-        return _pushed(part, positive is sign, scope, span)
+        return _pushed(part, positive is sign, scope, span, done)
 
     match node:
         case Linear(terms=terms, constant=constant):

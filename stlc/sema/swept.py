@@ -63,17 +63,28 @@ def sweep_part(node: Node, part: Part, scope: Scope, span: Span, change: float =
 
     `change` is how much each leaf's constant grows, evenly, from a step to the next.
     """
-    match node:
-        case Linear():
-            return _sweep_linear(node, part, scope, span, change)
-        case And(args=args) | Or(args=args):
-            return replace(node, args=tuple(sweep_part(a, part, scope, span, change) for a in args))
-        case Timed(cases=cases):
-            swept = tuple(sweep_part(c, part, scope, span, change) for c in cases)
-            return replace(node, cases=swept)
-        case Const():
-            return node
-    raise Mistake(NoSwept(span=span, problem="this is not a condition on positions"))
+    if isinstance(node, Linear):  # as most are, of places
+        return _sweep_linear(node, part, scope, span, change)
+    done: dict[int, Node] = {}  # formulas that use a part often have too many paths to walk
+
+    def swept(node: Node) -> Node:
+        if id(node) not in done:
+            done[id(node)] = replaced(node)
+        return done[id(node)]
+
+    def replaced(node: Node) -> Node:
+        match node:
+            case Linear():
+                return _sweep_linear(node, part, scope, span, change)
+            case And(args=args) | Or(args=args):
+                return replace(node, args=tuple(map(swept, args)))
+            case Timed(cases=cases):
+                return replace(node, cases=tuple(map(swept, cases)))
+            case Const():
+                return node
+        raise Mistake(NoSwept(span=span, problem="this is not a condition on positions"))
+
+    return swept(node)
 
 
 def _sweep_linear(node: Linear, part: Part, scope: Scope, span: Span, change: float) -> Node:
